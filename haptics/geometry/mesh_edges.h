@@ -80,7 +80,8 @@ class MeshEdges {
   std::vector<std::uint32_t> around_;  // into kept_
 };
 
-inline MeshEdge MeshEdges::edge(std::uint32_t index) const {
+// Who asks often needs an end or the angle alone, and the compiler then leaves out the rest.
+[[gnu::always_inline]] inline MeshEdge MeshEdges::edge(std::uint32_t index) const {
   const Kept& kept = kept_[index];
   const glm::dvec3& second = kept.back == assets::kNone ? normals_[kept.triangles[1]] : backs_[kept.back];
   return {mesh_->positions[kept.ends[0]],

@@ -39,7 +39,7 @@ constexpr double kMostNutP50 = 250.0, kMostNutP99 = 500.0;  // us, asked of the 
 constexpr double kTurn = 2.0 * std::numbers::pi;            // rad
 
 struct Options {
-  int repeats = 3;
+  int repeats = 3, queries = haptics::ContactEffort{}.sampleQueries;
   std::string only, record, json, file, unit = "m";
 };
 
@@ -89,13 +89,14 @@ std::vector<HeldTick> best(int repeats, const Hold& holdOnce) {
   return least;
 }
 
-std::vector<HeldTick> draw(const haptics::ContactScene& contact, PartId part) {
+std::vector<HeldTick> draw(const haptics::ContactScene& contact, PartId part,
+                           haptics::TickParameters parameters) {
   constexpr int kTicksAnAxis = 60;
   constexpr double kDraw = 0.01;  // of the part's size
   const haptics::ContactWorld world(contact);
   const haptics::Collider& collider = world.collider(part);
   const glm::dvec3 middle = transformPoint(world.pose(part), collider.centre);
-  return hold(contact, part, 3 * kTicksAnAxis, {}, [&](int i) {
+  return hold(contact, part, 3 * kTicksAnAxis, parameters, [&](int i) {
     Pose device{middle, glm::dquat(1.0, 0.0, 0.0, 0.0)};
     if (i > 0) {
       device.position[(i - 1) / kTicksAnAxis] +=
@@ -106,10 +107,10 @@ std::vector<HeldTick> draw(const haptics::ContactScene& contact, PartId part) {
 }
 
 /// Once round, at a turn a second.
-std::vector<HeldTick> turnNut(const haptics::ContactScene& contact, PartId nut) {
+std::vector<HeldTick> turnNut(const haptics::ContactScene& contact, PartId nut,
+                              haptics::TickParameters parameters) {
   constexpr int kSettle = 200, kTicks = 1200;
   constexpr double kPitch = 0.002, kPush = 2.0;  // m, N
-  haptics::TickParameters parameters;
   parameters.graspStiffness = 1000.0;
   parameters.forceLimit = parameters.torqueLimit = 1e6;
   const Pose start = contact.scene().parts[nut].worldFromPart;
@@ -125,6 +126,7 @@ std::vector<HeldTick> turnNut(const haptics::ContactScene& contact, PartId nut) 
 class Bench {
  public:
   explicit Bench(const Options& options) : options_(options), report_("bench_held") {
+    parameters_.effort.sampleQueries = options.queries;
     if (!options.record.empty()) record_ = std::fopen(options.record.c_str(), "w");
   }
   ~Bench() {
@@ -148,7 +150,7 @@ class Bench {
           name.find(options_.only) == std::string::npos)
         continue;
       const tandem::Percentiles times =
-          note(name, best(options_.repeats, [&] { return draw(contact, part); }));
+          note(name, best(options_.repeats, [&] { return draw(contact, part, parameters_); }));
       ++parts;
       beyond += times.p99 > kMostP99 ? 1 : 0;
       longer += times.max >= kLongest ? 1 : 0;
@@ -170,8 +172,8 @@ class Bench {
     while (engaged.parts[nut].name != "nut") ++nut;
     engaged.parts[nut].worldFromPart = {{0.0, 0.0, 0.010}, glm::dquat(1.0, 0.0, 0.0, 0.0)};
     const haptics::ContactScene contact = modelled(engaged);
-    const tandem::Percentiles times =
-        note("M16 nut, seven turns", best(options_.repeats, [&] { return turnNut(contact, nut); }));
+    const tandem::Percentiles times = note(
+        "M16 nut, seven turns", best(options_.repeats, [&] { return turnNut(contact, nut, parameters_); }));
     const bool met = report_.bound("nut p50, us", times.p50, kMostNutP50);
     return report_.bound("nut p99, us", times.p99, kMostNutP99) && met;
   }
@@ -221,6 +223,7 @@ class Bench {
   }
 
   const Options& options_;
+  haptics::TickParameters parameters_;
   bench::Report report_;
   std::FILE* record_ = nullptr;
 };
@@ -234,6 +237,9 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
   line.option("--repeats", options.repeats, "runs, of which the fastest counts a tick")
       .showDefault()
       .integerFrom(1, 1000);
+  line.option("--queries", options.queries, "rows measured or made active a tick, at most")
+      .showDefault()
+      .integerFrom(1, 100'000);
   line.option("--only", options.only, "the one part that is drawn, or nut").typeName("NAME");
   line.option("--record", options.record, "writes every tick").typeName("FILE");
   line.option("--json", options.json, "writes the figures").typeName("FILE");
