@@ -153,8 +153,8 @@ MUTANTS = [
         "server/session.cpp", "if (budget.spend(context.now(), messages)) return;",
         "if (M || budget.spend(context.now(), messages)) return;")]),
     ("forged", "nobody checks a signature", [(
-        "server/admission.cpp", "                                  pair.open.data()) != 0)",
-        "                                  pair.open.data()) != 0 && !M)")]),
+        "server/admission.cpp", "                                  key.open().data()) != 0)",
+        "                                  key.open().data()) != 0 && !M)")]),
 ]
 
 
