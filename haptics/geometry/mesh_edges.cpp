@@ -141,7 +141,8 @@ double MeshEdges::sharpSpacing(double cube) const {
     double length = 0.0;  // m, of the sharp edges in the cell
   };
   std::unordered_map<std::uint64_t, Cell> cells;
-  for (const MeshEdge& edge : edges()) {
+  for (std::uint32_t e = 0; e < count(); ++e) {
+    const MeshEdge edge = this->edge(e);
     if (std::abs(edge.angle) < kSharp || edge.border) continue;
     const double length = glm::length(edge.b - edge.a);
     const int pieces = static_cast<int>(std::min(std::ceil(2.0 * length / cell), 1e4));

@@ -10,7 +10,6 @@
 
 #include <array>
 #include <cstdint>
-#include <ranges>
 #include <span>
 #include <vector>
 
@@ -40,12 +39,8 @@ class MeshEdges {
   /// The same edges as those of a solid (3).
   MeshEdges ofSolid() &&;
 
+  std::uint32_t count() const { return static_cast<std::uint32_t>(kept_.size()); }
   MeshEdge edge(std::uint32_t index) const;
-  /// All of them, to be indexed or gone through; each is put together when it is asked for.
-  auto edges() const {
-    return std::views::iota(std::uint32_t{0}, static_cast<std::uint32_t>(kept_.size())) |
-           std::views::transform([this](std::uint32_t index) { return edge(index); });
-  }
   /// Indices of the edges of a triangle, and of the triangles beside it in its plane, up to two away.
   std::span<const std::uint32_t> around(std::uint32_t triangle) const {
     return {around_.data() + first_[triangle], around_.data() + first_[triangle + 1]};

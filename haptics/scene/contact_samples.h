@@ -25,7 +25,7 @@ struct ContactSample {
   glm::dvec3 point{0.0, 0.0, 0.0};     // m
   std::uint32_t firstNormal = 0;       // into ContactSamples::normals()
   std::uint32_t normalCount = 0;       // of the faces that meet here
-  std::uint32_t edge = assets::kNone;  // into MeshEdges::edges(); kNone at corners and on implicit shapes
+  std::uint32_t edge = assets::kNone;  // an edge of MeshEdges; kNone at corners and on implicit shapes
   std::uint32_t triangle = 0;          // one of those that meet here
   // m: half length of the sharp edge's piece, or the radius of the patch, that the sample represents; 0 on a
   // smooth surface.

@@ -74,7 +74,7 @@ class MeshSampler {
 };
 
 void MeshSampler::sampleSharpEdges(std::vector<bool>& corner) {
-  for (std::uint32_t i = 0; i < edges_.edges().size(); ++i) {
+  for (std::uint32_t i = 0; i < edges_.count(); ++i) {
     const MeshEdge edge = edges_.edge(i);
     if (edge.angle < sharp_) continue;
     corner[edge.ends[0]] = corner[edge.ends[1]] = true;
@@ -91,12 +91,13 @@ void MeshSampler::sampleSharpEdges(std::vector<bool>& corner) {
 
 void MeshSampler::addCorners(const std::vector<bool>& corner) {
   std::vector<std::uint32_t> count(mesh_.positions.size() + 1, 0);
-  for (const MeshEdge& edge : edges_.edges()) {
+  for (std::uint32_t e = 0; e < edges_.count(); ++e) {
+    const MeshEdge edge = edges_.edge(e);
     for (const std::uint32_t v : edge.ends) count[v + 1] += corner[v] && edge.angle > 0.0 ? 1 : 0;
   }
   std::partial_sum(count.begin(), count.end(), count.begin());
   std::vector<std::uint32_t> at(count.begin(), count.end() - 1), list(count.back());
-  for (std::uint32_t i = 0; i < edges_.edges().size(); ++i) {
+  for (std::uint32_t i = 0; i < edges_.count(); ++i) {
     const MeshEdge edge = edges_.edge(i);
     for (const std::uint32_t v : edge.ends) {
       if (corner[v] && edge.angle > 0.0) list[at[v]++] = i;
@@ -132,7 +133,7 @@ void MeshSampler::sampleSmooth(std::vector<bool>& sampled) {
       sample.turn = std::max(sample.turn, static_cast<float>(std::min(1.0, kBeyondCell * sine)));
     }
   };
-  for (std::uint32_t i = 0; i < edges_.edges().size(); ++i) {
+  for (std::uint32_t i = 0; i < edges_.count(); ++i) {
     const MeshEdge edge = edges_.edge(i);
     if (edge.angle >= sharp_ || edge.angle <= 0.0) continue;
     for (int end = 0; end < 2; ++end) {

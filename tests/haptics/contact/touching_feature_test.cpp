@@ -9,6 +9,7 @@
 namespace tandem::test {
 namespace {
 
+using haptics::MeshEdge;
 using haptics::MeshEdges;
 using haptics::SampleQuery;
 using haptics::TouchingFeature;
@@ -41,15 +42,16 @@ const std::array<glm::dvec3, 3> kDownCorner{glm::normalize(glm::dvec3(1.0, 0.0, 
 TEST(MeshEdges, OfABoxAreItsTwelve) {
   const assets::Mesh mesh = boxMesh({0.02, 0.03, 0.04});
   const MeshEdges edges(mesh);
-  ASSERT_EQ(edges.edges().size(), 12u);
-  for (const auto& edge : edges.edges()) EXPECT_NEAR(edge.angle, 0.5 * kPi, 1e-12);
+  ASSERT_EQ(edges.count(), 12u);
+  for (std::uint32_t e = 0; e < edges.count(); ++e) EXPECT_NEAR(edges.edge(e).angle, 0.5 * kPi, 1e-12);
 }
 
 TEST(MeshEdges, OfAGrooveAreOneHollowAndItsBorders) {
   const assets::Mesh mesh = grooveMesh(0.02, 0.7);
   const MeshEdges edges(mesh);
   int hollow = 0, borders = 0;
-  for (const auto& edge : edges.edges()) {
+  for (std::uint32_t e = 0; e < edges.count(); ++e) {
+    const MeshEdge edge = edges.edge(e);
     hollow += edge.angle < 0.0 ? 1 : 0;
     borders += edge.triangles[0] == edge.triangles[1] ? 1 : 0;
   }

@@ -14,6 +14,7 @@ namespace tandem::test {
 namespace {
 
 using haptics::facesBeyondBorders;
+using haptics::MeshEdge;
 using haptics::MeshEdges;
 
 constexpr double kBorderScales[] = {1e-3, 1.0, 1e3};
@@ -41,7 +42,8 @@ TEST(BorderPairs, MakeTheEdgesOfTheClosedMeshAcrossSlits) {
       const assets::Mesh mesh = explodedBox(off, scale);
       ASSERT_FALSE(mesh.closed);
       const MeshEdges edges(mesh);
-      for (const auto& edge : edges.edges()) {
+      for (std::uint32_t e = 0; e < edges.count(); ++e) {
+        const MeshEdge edge = edges.edge(e);
         EXPECT_TRUE(edge.border);
         EXPECT_NE(edge.triangles[0], edge.triangles[1]);
         EXPECT_NEAR(edge.angle, kRight, 1e-3) << off;
@@ -54,13 +56,15 @@ TEST(BorderPairs, AreNoneAcrossAWideHole) {
   for (const double scale : kBorderScales) {
     const assets::Mesh mesh = explodedBox(1e-3, scale);
     MeshEdges edges(mesh);
-    ASSERT_FALSE(edges.edges().empty());
-    for (const auto& edge : edges.edges()) {
+    ASSERT_GT(edges.count(), 0u);
+    for (std::uint32_t e = 0; e < edges.count(); ++e) {
+      const MeshEdge edge = edges.edge(e);
       EXPECT_EQ(edge.triangles[0], edge.triangles[1]);
       EXPECT_NEAR(edge.angle, 2.0 * kRight, 1e-12);
     }
     const MeshEdges closed = std::move(edges).ofSolid();
-    for (const auto& edge : closed.edges()) {
+    for (std::uint32_t e = 0; e < closed.count(); ++e) {
+      const MeshEdge edge = closed.edge(e);
       EXPECT_NEAR(edge.angle, kRight, 1e-12);
       EXPECT_NEAR(glm::dot(edge.normals[0], edge.normals[1]), 0.0, 1e-12);
       // The plane in which the face ends looks away from it, that is from the middle of the box.

@@ -10,6 +10,7 @@ namespace tandem::test {
 namespace {
 
 using haptics::ContactSamples;
+using haptics::MeshEdge;
 using haptics::MeshEdges;
 
 ContactSamples samplesOf(const assets::Mesh& mesh, const ContactSamples::Options& options = {}) {
@@ -33,8 +34,8 @@ TEST(ContactSamples, StandForTheWholeLengthOfEveryEdge) {
   const assets::Mesh mesh = boxMesh({0.02, 0.03, 0.04});
   const MeshEdges edges(mesh);
   const ContactSamples samples(mesh, edges, {});
-  for (std::uint32_t e = 0; e < edges.edges().size(); ++e) {
-    const auto& edge = edges.edges()[e];
+  for (std::uint32_t e = 0; e < edges.count(); ++e) {
+    const MeshEdge edge = edges.edge(e);
     for (int i = 0; i <= 200; ++i) {
       const glm::dvec3 p = edge.a + (edge.b - edge.a) * (i / 200.0);
       const bool stoodFor =
