@@ -36,9 +36,9 @@ void Presentations::onPresentation(const Peer& peer, const Presentation& message
   if (message.shares == Shares::nothing) {
     shown.stopped = false;
     if (sharer_ == peer.site) sharer_ = kNoSite;
-    endSharing(shown);
+    shown.newest.endSharing();
   } else if (shown.stopped) {
-    endSharing(shown);
+    shown.newest.endSharing();
   } else if (sharer_ != peer.site) {
     takeOver(peer.site);
   }
@@ -58,18 +58,7 @@ void Presentations::takeOver(SiteId by) {
   Shown& ended = shown_.at(loser);
   ended.stopped = ended.tellOwner = ended.due = true;
   ended.nextAt = 0;
-  endSharing(ended);
-}
-
-/// Leaves of what a site shows the place that it points at.
-void Presentations::endSharing(Shown& shown) const {
-  Presentation& newest = shown.newest;
-  newest.shares = Shares::nothing;
-  newest.sections.clear();
-  newest.hidden.clear();
-  newest.transparent.clear();
-  newest.style = {};
-  newest.selected = kNoPart;
+  ended.newest.endSharing();
 }
 
 void Presentations::onSay(const Peer& peer, const sync::Say& said) {

@@ -57,7 +57,6 @@ class Presentations {
   bool isSound(const sync::Presentation& shown) const;
   bool mayTakeOver(SiteId from, SiteId by) const;
   void takeOver(SiteId by);
-  void endSharing(Shown& shown) const;
   void endLost();
   void send(const Peer& peer, std::span<const std::byte> bytes);
 

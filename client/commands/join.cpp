@@ -418,7 +418,7 @@ class JoinRun {
     }
   }
 
-  /// Puts what the person sees, beside the camera, into a view that a script keeps.
+  /// Puts what the person sees into a view that a script keeps: all but the camera, which is in it already.
   void keepIn(document::NamedView& view) const {
     if (viewer_)
       view = viewAs(view.name, viewer_->camera(), viewer_->ui().sections, viewer_->ui().parts);

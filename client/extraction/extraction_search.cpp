@@ -1,13 +1,12 @@
 #include "client/extraction/extraction_search.h"
 
-#include <sys/resource.h>
-
 #include <atomic>
 #include <mutex>
 #include <thread>
 #include <utility>
 
 #include "assets/base/assert.h"
+#include "assets/base/thread_priority.h"
 
 namespace tandem::client {
 
@@ -32,9 +31,7 @@ class ExtractionSearch::Worker {
 
  private:
   void run() {
-    constexpr int kLowPriority = 10;  // the hand's thread comes first
-    // On Linux this sets the priority of this thread alone. If it fails, the thread has the usual priority.
-    static_cast<void>(setpriority(PRIO_PROCESS, 0, kLowPriority));
+    lowerThreadPriority();
     std::shared_ptr<const Extraction> found = search();
     const std::lock_guard lock(mutex_);
     state_.found = std::move(found);

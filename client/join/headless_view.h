@@ -33,7 +33,7 @@ class HeadlessView {
   /// How parts are drawn, likewise.
   const document::PartStyle& style(const ViewModel& model) const;
   const std::vector<PartId>& hidden() const { return hidden_; }
-  /// Puts what this person sees, beside the camera, into a view that is kept.
+  /// Puts what this person sees into a view that is kept, all but the camera, which stands in it already.
   void keepIn(document::NamedView& view, const ViewModel& model) const;
 
  private:

@@ -1,18 +1,13 @@
 #include "client/levels/level_maker.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <utility>
 
 #include "assets/base/assert.h"
+#include "assets/base/thread_priority.h"
 
 namespace tandem::client {
-namespace {
-
-constexpr int kNiceness = 10;  // the hand's loop and the window come first
-
-}  // namespace
+namespace {}  // namespace
 
 LevelMaker::LevelMaker(const assets::Scene& scene, std::span<const Source> meshes, std::string cacheDirectory,
                        unsigned threads)
@@ -68,8 +63,7 @@ std::optional<LevelMaker::Made> LevelMaker::take() {
 }
 
 void LevelMaker::run() {
-  // Linux counts the niceness of each thread by itself. Where it refuses, the work competes as any other.
-  static_cast<void>(::setpriority(PRIO_PROCESS, 0, kNiceness));
+  lowerThreadPriority();
   while (const std::optional<Order> order = next()) work(*order);
 }
 

@@ -1,19 +1,16 @@
 #include "client/review/clash_search.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <mutex>
 #include <thread>
 
 #include "assets/base/assert.h"
+#include "assets/base/thread_priority.h"
 #include "haptics/scene/contact_scene.h"
 
 namespace tandem::client {
 
 namespace {
-
-constexpr int kNiceness = 10;  // the hand's thread comes first
 
 std::vector<Pose> posesAtRest(const haptics::ContactScene& contact) {
   std::vector<Pose> poses;
@@ -88,8 +85,7 @@ class ClashSearch::Worker {
  private:
   void run(const haptics::ContactScene& contact, const ClashQuestion& question,
            const std::vector<Pose>& poses) {
-    // On Linux this sets the priority of this thread alone. If it fails, the thread has the usual priority.
-    static_cast<void>(setpriority(PRIO_PROCESS, 0, kNiceness));
+    lowerThreadPriority();
     auto findings = std::make_shared<const ClashFindings>(searchClashes(
         contact, question, poses,
         [this](std::size_t done, std::size_t pairs) {

@@ -5,8 +5,6 @@
 // 1. All methods are for one thread; `work` runs in the worker's. Only the destructor waits for it.
 // 2. A request that is begun is finished, and its result kept until it is taken or the next one is there.
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
@@ -15,6 +13,8 @@
 #include <optional>
 #include <thread>
 #include <utility>
+
+#include "assets/base/thread_priority.h"
 
 namespace tandem::client {
 
@@ -70,12 +70,10 @@ class PacedWorker {
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr int kPause = 3;      // before the next work, in durations of the last one
-  static constexpr int kNiceness = 10;  // the hand's thread comes first
+  static constexpr int kPause = 3;  // before the next work, in durations of the last one
 
   void run() {
-    // On Linux this sets the priority of this thread alone. If it fails, the thread has the usual priority.
-    static_cast<void>(setpriority(PRIO_PROCESS, 0, kNiceness));
+    lowerThreadPriority();
     std::unique_lock lock(mutex_);
     while (true) {
       wake_.wait(lock, [this] { return stop_ || request_; });

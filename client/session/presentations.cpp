@@ -82,13 +82,7 @@ bool Presentations::known(SiteId site) const {
 void Presentations::show(const Presentation& shown) {
   own_ = shown;
   stopping_ = stopping_ && shown.shares != Shares::nothing;
-  if (!stopping_) return;
-  own_.shares = Shares::nothing;
-  own_.sections.clear();
-  own_.hidden.clear();
-  own_.transparent.clear();
-  own_.style = {};
-  own_.selected = kNoPart;
+  if (stopping_) own_.endSharing();
 }
 
 void Presentations::forget(SiteId site) {

@@ -24,7 +24,7 @@ constexpr double kLeast = 0.25;
 
 /// A place of a surface near a point.
 struct Surface {
-  double distance = 0.0, error = 0.0;  // m, of the point, below 0 inside
+  double distance = 0.0;  // m, of the point, below 0 inside
   glm::dvec3 point{0.0, 0.0, 0.0}, normal{0.0, 0.0, 0.0};
 };
 
@@ -37,7 +37,7 @@ bool surfaceNear(const PartModel& part, const glm::dvec3& p, double reach, Surfa
   const glm::dvec3 up(read.gradient);
   const double slope = glm::length(up);
   if (error > kRough * part.field.smallestCell() || slope < kStraight) return false;
-  found = {distance, error, p - distance / slope * up, up / slope};
+  found = {distance, p - distance / slope * up, up / slope};
   return true;
 }
 

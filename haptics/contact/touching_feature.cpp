@@ -207,9 +207,9 @@ bool planeOfCorner(const MeshEdges& edges, std::uint32_t triangle, const glm::dv
     if (edge.angle < 0.0 || !passes(edge, foot, reach) ||
         !commonPlane(edge, EdgePlane(edge), foot, sample, reach, plane))
       continue;
-    const double predicted = plane.gap + glm::dot(plane.normal, sample.motion);
-    if (predicted <= furthest) continue;
-    furthest = predicted;
+    const double gap = predicted(plane, sample);
+    if (gap <= furthest) continue;
+    furthest = gap;
     found = plane;
   }
   return furthest > -1e300;

@@ -1,12 +1,12 @@
 #pragma once
 
-// How far an end of a link believes its peer. Packets may say anything that a number can; what hands and
-// parts do, the hand feels unchanged. It counts only where a hand here holds the part.
+// How far an end of a link believes its peer. Packets may hold any numbers; forces that hands and parts can
+// cause reach the hand unchanged. It counts only where a hand here holds the part.
 //
 // 1. The force of a link changes by `slew` at most, and kBurst at once, beyond what this replica's own change
 //    of velocity does to it: a peer who goes along with this replica cancels that change, and a peer who
 //    leads it causes it. Where the replica moves, which no lie makes it do soon, it may change faster.
-// 2. Whose waves run far ahead of what is let in, or often contradict themselves, is no longer believed: the
+// 2. A peer whose waves run far ahead of what is let in, or often contradict themselves, is not believed: the
 //    end acts as if the peer were silent. After kDoubt it is heard again, then after twice as long each time.
 // 3. Nothing here makes energy: what counts of a wave is paid for as any wave (CoordinationLink::pay).
 // 4. Nothing here allocates. The thread that ticks uses it.

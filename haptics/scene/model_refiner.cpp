@@ -5,18 +5,16 @@
 #include <map>
 #include <utility>
 
-#include <sys/resource.h>
 #include <glm/geometric.hpp>
 
 #include "assets/base/assert.h"
+#include "assets/base/thread_priority.h"
 #include "haptics/scene/contact_scene_data.h"
 #include "haptics/scene/model_bake.h"
 #include "haptics/scene/part_tolerance.h"
 
 namespace tandem::haptics {
 namespace {
-
-constexpr int kNice = 10;  // behind everything that a person waits for
 
 double weightOf(const TriangleBvh& tree) { return 5e3 + static_cast<double>(tree.mesh().triangles.size()); }
 
@@ -40,9 +38,7 @@ ModelRefiner::~ModelRefiner() {
 }
 
 void ModelRefiner::run() {
-  // On Linux a priority belongs to a thread, and the threads that it starts inherit it; the rest of the
-  // process keeps its own.
-  static_cast<void>(setpriority(PRIO_PROCESS, 0, kNice));
+  lowerThreadPriority();
   const ContactScene::Data& data = coarse_.data();
   const std::vector<double> tolerances =
       data.treeTolerances(partTolerances(*data.scene, data.colliders, data.smallestHeld(), options_.threads));

@@ -29,6 +29,16 @@ struct Presentation {
   document::PartStyle style;              // of a view
   PartId pointedAt = kNoPart;             // the part that the person points at
   glm::dvec3 place{0.0, 0.0, 0.0};        // m, in the frame of that part
+
+  /// Leaves of it the place that it points at.
+  void endSharing() {
+    shares = Shares::nothing;
+    sections.clear();
+    selected = kNoPart;
+    hidden.clear();
+    transparent.clear();
+    style = {};
+  }
 };
 
 /// A short message to all. Each name in square brackets is a link to the part in the same place of `parts`.

@@ -1,5 +1,5 @@
 // Parts that stand in each other as the file has them, because one is modelled larger than its seat: they
-// come out the way they went in, and whatever else they meet holds them as ever.
+// come out the way they went in, and all other contact acts as usual.
 
 #include "tests/haptics/contact/part_contact_case.h"
 #include "tests/support/soup_builder.h"
@@ -13,7 +13,8 @@ constexpr double kSeatThickness = 0.020;              // m, of the plate
 constexpr double kHeadRadius = 0.016;                 // m
 constexpr double kPlugMass = 0.05;                    // kg, at every scale: the hand is the same
 
-/// Turned about the z axis: radius and height, from the middle of its lowest face to that of its top face.
+/// A solid of revolution about the z axis. `profile`: the radius and the height of each ring, from the middle
+/// of the lowest face to that of the top face.
 assets::TriangleSoup turnedSoup(const std::vector<glm::dvec2>& profile, int around, double spin = 0.0) {
   SoupBuilder b;
   std::vector<Ring> rings;
