@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "assets/cad_import/import_3mf.h"
 #include "assets/cad_import/import_mesh.h"
 
 namespace tandem::cad_import {
@@ -16,7 +17,8 @@ Result<CadScene> importFile(const std::string& path, const ImportOptions& option
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (ending == ".step" || ending == ".stp") return importStep(path, options, figures);
   if (ending == ".stl" || ending == ".obj" || ending == ".ply") return importMesh(path, options);
-  return Error{"not a CAD file that is read: .step, .stp, .stl, .obj and .ply are"};
+  if (ending == ".3mf") return import3mf(path, options);
+  return Error{"not a CAD file that is read: .step, .stp, .3mf, .stl, .obj and .ply are"};
 }
 
 }  // namespace tandem::cad_import

@@ -55,7 +55,7 @@ int failed(int code, std::string text) {
 }
 
 void addOptions(assets::CommandLine& app, Options& options) {
-  app.option("file", options.input, "the CAD file: .step, .stp, .stl, .obj or .ply")
+  app.option("file", options.input, "the CAD file: .step, .stp, .3mf, .stl, .obj or .ply")
       .typeName("FILE")
       .required();
   app.option("-o,--output", options.output, "the scene that is written, .glb").typeName("OUT.glb").required();

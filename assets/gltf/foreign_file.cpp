@@ -43,7 +43,7 @@ constexpr Known kEndings[] = {
     {".stl", "an STL file", FileKind::importable},  {".obj", "an OBJ file", FileKind::importable},
     {".fbx", "an FBX file", FileKind::model},       {".dae", "a COLLADA file", FileKind::model},
     {".usd", "a USD file", FileKind::model},        {".usdz", "a USD file", FileKind::model},
-    {".3mf", "a 3MF file", FileKind::model},        {".ply", "a PLY file", FileKind::importable},
+    {".3mf", "a 3MF file", FileKind::importable},   {".ply", "a PLY file", FileKind::importable},
 };
 
 /// The file's text without a leading byte-order mark and white space.

@@ -47,7 +47,7 @@ Status runImporter(const std::vector<std::string>& command, const std::function<
 }  // namespace
 
 bool isCadFile(const std::string& path) {
-  static const std::array<const char*, 5> kEndings{".step", ".stp", ".stl", ".obj", ".ply"};
+  static const std::array<const char*, 6> kEndings{".step", ".stp", ".3mf", ".stl", ".obj", ".ply"};
   const std::string ending = endingOf(path);
   return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }

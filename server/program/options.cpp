@@ -133,7 +133,7 @@ Status understand(const Raw& raw, Options& options) {
 }
 
 void addOptions(assets::CommandLine& app, Raw& raw, Options& options) {
-  app.option("scene", options.scene, "the scene, .gltf or .glb; or a CAD file: .step, .stl, .obj, .ply")
+  app.option("scene", options.scene, "the scene, .gltf or .glb; or a CAD file: .step, .3mf, .stl, .obj, .ply")
       .typeName("SCENE");
   app.option("--listen", raw.listen, "address and port to listen on, TCP and UDP; port 0: any free one")
       .typeName("HOST:PORT")

@@ -38,6 +38,8 @@ TEST(ForeignFile, IsKnownByTheEndOfItsName) {
   EXPECT_TRUE(isNamed("an IGES file;", "pump.igs", "                    S      1"));
   EXPECT_TRUE(isNamed("an OBJ file;", "pump.obj", "v 0 0 0"));
   EXPECT_TRUE(isNamed("a USD file;", "pump.usdz", "PK\x03\x04"));
+  EXPECT_TRUE(isNamed("a 3MF file;", "pump.3mf", "PK\x03\x04"));
+  EXPECT_NE(messageFor("pump.3mf", "PK\x03\x04").find("tandem-import"), std::string::npos);
   EXPECT_TRUE(isNamed("a COLLADA file;", "pump.dae", "<?xml version=\"1.0\"?>"));
 }
 
