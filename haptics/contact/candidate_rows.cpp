@@ -7,6 +7,7 @@
 
 #include "haptics/contact/due_samples.h"
 #include "haptics/contact/patch_touch.h"
+#include "haptics/contact/piece_clearance.h"
 
 namespace tandem::haptics {
 namespace {
@@ -129,7 +130,7 @@ void CandidateRows::addSampleRow(std::uint32_t i, const glm::vec3& place, const 
   if (sample.along > 0.0f) dip = edgeDip(sample, place, read, least - query_.limit);
   if (dip.ofBlade) return addAnsweredRows(i, place, nullptr, least - sample.along);
   if (allowed_ > 0.0f || shift_ != glm::dvec3(0.0)) dip.depth = 0.0f;
-  if (least - dip.depth > query_.limit) return;
+  if (least - dip.depth > query_.limit) return clearAlong(sample, place, read);
   if (dip.depth > kShallow * query_.smooth) {
     if (const SampleAnswer* const answer = trustedAnswer(i, place))
       return addPlanes(i, place, *answer, nullptr);
@@ -191,12 +192,22 @@ void CandidateRows::addAnsweredRows(std::uint32_t i, const glm::vec3& place, con
                                     float room) {
   if (const SampleAnswer* const answer = memory_.find(query_.sampled, i, query_.target)) {
     const float left = roomLeft(i, place, *answer, patch);
-    // What is said of places that were seen says little of the rest of a sharp edge or of a patch.
-    if (patch == nullptr && !(sampleAt(i).along > 0.0f)) clear_ = std::max(clear_, left);
+    const bool point = patch == nullptr && !(sampleAt(i).along > 0.0f);
+    if (point) clear_ = std::max(clear_, left);
     if (isTrusted(i, place, *answer)) return addPlanes(i, place, *answer, patch);
     room = std::max(room, left);
+    // What is said of places that were seen says little of the rest of a sharp edge or of a patch: of an edge
+    // it holds as far as an answer is trusted, then the field is read again.
+    if (patch == nullptr && left > query_.limit) clear_ = std::max(clear_, std::min(left, query_.trusted));
   }
   if (room <= query_.limit) rows_.addBall(query_.armOf(place), room, query_.source(i));
+}
+
+void CandidateRows::clearAlong(const ContactSample& sample, const glm::vec3& place, const Reading& read) {
+  ContactPatch edge;
+  if (clear_ > query_.limit || !query_.from->patchOf(sample, edge)) return;
+  const glm::vec3 along = sample.along * (rotation_ * glm::vec3(edge.axis));
+  clear_ = std::max(clear_, leastAlong(query_.to->field, place, read, along, query_.rough) + allowed_);
 }
 
 CandidateRows::Dip CandidateRows::edgeDip(const ContactSample& sample, const glm::vec3& place,

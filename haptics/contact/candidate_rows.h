@@ -64,6 +64,9 @@ class CandidateRows {
   void addPlanes(std::uint32_t i, const glm::vec3& place, const SampleAnswer& answer,
                  const ContactPatch* patch);
 
+  /// Raises clear_ to what the field knows of a piece of edge that is out of reach.
+  void clearAlong(const ContactSample& sample, const glm::vec3& place, const Reading& read);
+
   /// How much nearer (m) to the target than its sample the part may be between it and the next ones.
   struct Dip {
     float depth = 0.0f;
