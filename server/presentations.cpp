@@ -16,6 +16,12 @@ using sync::Shares;
 bool Presentations::isSound(const Presentation& shown) const {
   const auto known = [&](PartId part) { return part == kNoPart || part < partCount_; };
   const std::size_t most = (partCount_ + 7) / 8;
+  const sync::Inspection& looks = shown.inspection;
+  const bool noClash = looks.a == kNoPart && looks.b == kNoPart;
+  if (!noClash && (looks.a >= partCount_ || looks.b >= partCount_ || looks.a == looks.b)) return false;
+  if (!std::all_of(looks.marks.begin(), looks.marks.end(),
+                   [&](const document::Anchor& mark) { return mark.part < partCount_; }))
+    return false;
   return known(shown.selected) && known(shown.pointedAt) && shown.hidden.size() <= most &&
          shown.transparent.size() <= most &&
          std::all_of(shown.style.apart.begin(), shown.style.apart.end(),

@@ -95,6 +95,7 @@ inline constexpr std::array<const char*, 5> kMeasureNames{"distance", "length", 
 struct Anchor {
   PartId part = kNoPart;
   glm::dvec3 point{0.0, 0.0, 0.0};  // m, in the frame of the part
+  friend bool operator==(const Anchor&, const Anchor&) = default;
 };
 struct Measure {
   std::string name;

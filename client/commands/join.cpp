@@ -330,6 +330,7 @@ class JoinRun {
     static_cast<void>(viewer.frame(model_));
     if (arguments_.clashes >= 0.0) frameClashes(viewer);
     if (!arguments_.wayOut.empty()) frameWayOut(viewer);
+    inspectIn(viewer);
     if (arguments_.measures) viewer.openMeasures();
     if (arguments_.notes) viewer.openNotes();
     if (arguments_.notes || arguments_.measures) {
@@ -342,6 +343,21 @@ class JoinRun {
       static_cast<void>(viewer.frame(model_));
     }
     return viewer.screenshot(arguments_.screenshot);
+  }
+
+  /// Draws frames until what this person or the one who presents measures has its figures.
+  void inspectIn(Viewer& viewer) {
+    const sync::Inspection& own = headless_->inspection();
+    viewer.ui().shared.lookAtClash(own);
+    if (own.measuring) {
+      viewer.ui().measures.open = true;
+      viewer.ui().measures.marks = own.marks;
+    }
+    for (int i = 0; i < kFramesOfMeasure && !interrupted; ++i) {
+      model_.measure = measures_.update(viewer.frame(model_).marks, model_.worldFromPart);
+      if (!viewer.ui().measures.open) break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
   }
 
   /// The part whose way out was asked for is searched for at once.
@@ -463,6 +479,8 @@ class JoinRun {
   ViewActions waiting_;          // input from before the hand exists
   JoinReport report_;
   static constexpr std::chrono::minutes kLevelsPatience{10};
+  static constexpr int kFramesOfMeasure =
+      20;  // of a picture, 20 ms apart: by then edges and clearance are known
   static constexpr double kCaughtShare = 0.05;  // of the scene's size
   static constexpr double kCaughtFor = 0.5;     // s
   double caughtSince_ = 0.0;                    // s since the start

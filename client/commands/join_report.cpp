@@ -45,6 +45,18 @@ Json doubtsJson(const ViewModel& model) {
   return json;
 }
 
+/// The clash that the sharing site looks at; null if none.
+Json clashJson(const ViewModel& model, const sync::Inspection& looks) {
+  if (looks.a == kNoPart) return {};
+  return {{"a", partName(model, looks.a)},
+          {"b", partName(model, looks.b)},
+          {"mark", sync::kClashMarkNames[static_cast<std::size_t>(looks.mark)]},
+          {"amount_m", looks.amount},
+          {"moved", looks.moved},
+          {"on_a", {looks.onA.x, looks.onA.y, looks.onA.z}},
+          {"on_b", {looks.onB.x, looks.onB.y, looks.onB.z}}};
+}
+
 /// What others share and point at, and what was said; of a site without a window also what it shares and
 /// follows, and the section planes in effect.
 Json presentingJson(const ViewModel& model, const HeadlessView* view) {
@@ -56,6 +68,12 @@ Json presentingJson(const ViewModel& model, const HeadlessView* view) {
   json["explode"] = presenting.shared.style.explode;
   json["colours"] = document::kColouringNames[static_cast<std::size_t>(presenting.shared.style.colouring)];
   json["hidden"] = partNames(model, [&](PartId part) { return presenting.hides(part); });
+  json["clash"] = clashJson(model, presenting.shared.inspection);
+  json["measuring"] = presenting.shared.inspection.measuring;
+  json["marks"] = Json::array();
+  for (const document::Anchor& mark : presenting.shared.inspection.marks)
+    json["marks"].push(
+        {{"part", partName(model, mark.part)}, {"place", {mark.point.x, mark.point.y, mark.point.z}}});
   json["points"] = Json::array();
   for (const sync::Presentation& shown : presenting.points)
     json["points"].push({{"by", nameOfSite(model, shown.site)},

@@ -31,6 +31,12 @@ void showInWindow(const ScriptStep& step, const ViewModel& model, Viewer& viewer
         ui.parts.setHidden(part, std::find(step.parts.begin(), step.parts.end(), part) != step.parts.end());
       }
       break;
+    case Verb::inspect:
+      ui.shared.lookAtClash(step.inspection);
+      ui.measures = {};
+      ui.measures.open = step.inspection.measuring;
+      ui.measures.marks = step.inspection.marks;
+      break;
     case Verb::select:
       ui.parts.selected = step.part;
       break;

@@ -149,6 +149,14 @@ void parseJudge(const Json& entry, const assets::Scene* scene, ScriptStep& step)
   if (entry.contains("text")) step.text = text(entry, "text", document::kMaxText / 2);
 }
 
+std::vector<glm::dvec3> placesAt(const Json& entry, std::size_t most) {
+  if (!entry.at("at").isArray() || entry.at("at").size() > most)
+    throw "\"at\" must be a list of at most " + std::to_string(most) + " [x, y, z]";
+  std::vector<glm::dvec3> places;
+  for (const Json& place : entry.at("at")) places.push_back(vectorOf(place, "at"));
+  return places;
+}
+
 void parseMeasure(const Json& entry, const assets::Scene* scene, ScriptStep& step) {
   const std::string kind = text(entry, "measures", document::kMaxName);
   const auto known = std::find(kFigureNames.begin(), kFigureNames.end(), kind);
@@ -157,13 +165,7 @@ void parseMeasure(const Json& entry, const assets::Scene* scene, ScriptStep& ste
   step.verb = ScriptStep::Verb::measure;
   step.figure = static_cast<FigureKind>(known - kFigureNames.begin());
   if (entry.contains("name")) step.text = text(entry, "name", document::kMaxName);
-  const std::size_t most = placesOf(step.figure);
-  if (entry.contains("at")) {
-    if (!entry.at("at").isArray() || entry.at("at").size() > most)
-      throw "\"at\" must be a list of at most " + std::to_string(most) + " [x, y, z]";
-    for (std::size_t i = 0; i < entry.at("at").size(); ++i)
-      step.places.push_back(vectorOf(entry.at("at").at(i), "at"));
-  }
+  if (entry.contains("at")) step.places = placesAt(entry, placesOf(step.figure));
   if (!entry.contains("parts")) return;
   if (step.figure != FigureKind::clearance || entry.contains("at"))
     throw std::string("\"parts\" names two parts, of a clearance");
@@ -279,6 +281,10 @@ bool parseShowing(const Json& entry, const std::string& verb, const assets::Scen
   } else if (verb == "select" || verb == "point") {
     step.verb = verb == "select" ? Verb::select : Verb::point;
     if (verb == "select" || entry.contains("part")) step.part = part(entry, scene);
+  } else if (verb == "inspect") {
+    step.verb = Verb::inspect;
+    if (entry.contains("parts")) step.parts = twoParts(entry, scene);
+    if (entry.contains("at")) step.places = placesAt(entry, sync::kMaxMarks);
   } else if (verb == "look") {
     step.verb = Verb::look;
     step.from = vector(entry, "from");
@@ -339,8 +345,8 @@ ScriptStep parseStep(const Json& entry, const assets::Scene* scene) {
              !parseShowing(entry, verb, scene, step)) {
     throw "does not know \"" + verb +
         "\"; verbs: grasp release move move_relative turn sine hold press set let_go note reply status view "
-        "measure find_clashes judge undo redo section share follow hide explode colour ghosts select look "
-        "point say";
+        "measure find_clashes judge undo redo section share follow hide explode colour ghosts select "
+        "inspect look point say";
   }
   return step;
 }

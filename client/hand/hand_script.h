@@ -42,6 +42,8 @@
 //   colour {what}             parts are coloured by body, material or owner, or as made
 //   ghosts {on}               hidden parts are seen faintly
 //   select {part}
+//   inspect [{parts} {at}]    two parts whose clash is looked at, and places in the world, at most two, that
+//                             are measured; without either no more
 //   look {from, to}           this site's camera
 //   point [{part}]            shows the others the place of that part that is nearest to the hand; without
 //                             a part no more
@@ -92,6 +94,7 @@ struct ScriptStep {
     colour,
     ghosts,
     select,
+    inspect,
     look,
     point,
     say
@@ -109,6 +112,7 @@ struct ScriptStep {
   std::vector<glm::dvec3> places;
   std::vector<PartId> parts;                                   // of `judge`, `hide` and `explode`, too
   document::PartStyle style;                                   // of `explode`, `colour` and `ghosts`
+  sync::Inspection inspection;                                 // of `inspect`, once it has come
   document::ClashStatus clash = document::ClashStatus::fresh;  // of the verb `judge`
   std::vector<document::SectionPlane> planes;
   glm::dvec3 from{0.0, 0.0, 0.0};               // of a camera

@@ -9,6 +9,7 @@
 #include "client/findings/verdicts.h"
 #include "client/review/clash_search.h"
 #include "client/session/document_words.h"
+#include "client/session/shown_clash.h"
 
 namespace tandem::client {
 
@@ -113,6 +114,26 @@ Result<Measure> measureByStep(const ScriptStep& step, const haptics::ContactScen
                " to measure"};
 }
 
+sync::Inspection inspectByStep(const ScriptStep& step, const haptics::ContactScene& contact,
+                               const ViewModel& model) {
+  sync::Inspection looks;
+  const std::vector<Pose>& poses = model.worldFromPart;
+  if (step.parts.size() == 2) {
+    const PartId a = step.parts[0], b = step.parts[1];
+    const auto clash = measurePair(PartClosings(contact), a, poses[a], b, poses[b]);
+    if (clash)
+      putClash(*clash, poses[a], poses[b], looks);
+    else
+      looks.a = a, looks.b = b;
+  }
+  for (const glm::dvec3& point : step.places) {
+    looks.measuring = true;
+    if (const auto place = measurePlace(contact, point, poses))
+      looks.marks.push_back({place->part, transformPoint(inverse(poses[place->part]), place->point)});
+  }
+  return looks;
+}
+
 ScriptWriter::ScriptWriter(const HandScript& script, const haptics::ContactScene& contact)
     : contact_(contact) {
   std::copy_if(script.steps.begin(), script.steps.end(), std::back_inserter(steps_),
@@ -146,6 +167,7 @@ ScriptWriter::Written ScriptWriter::write(double now, std::uint32_t begun, const
     const Entry* note = answers(step.verb) ? answered(step, *model.document) : nullptr;
     if (step.shows()) {
       written.shown.push_back(step);
+      if (step.verb == Verb::inspect) written.shown.back().inspection = inspectByStep(step, contact_, model);
     } else if (step.verb == Verb::measure || step.verb == Verb::findClashes) {
       find(step, model, written);
     } else if (!answers(step.verb) || note != nullptr) {

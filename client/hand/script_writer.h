@@ -50,6 +50,10 @@ class ScriptWriter {
 /// both where the hand is in the world.
 document::Note noteAtHand(const ViewModel& model, PartId part, std::string text);
 
+/// What an `inspect` step looks at, of the parts as they stand now.
+sync::Inspection inspectByStep(const ScriptStep& step, const haptics::ContactScene& contact,
+                               const ViewModel& model);
+
 /// What a `measure` step asks for; an error if its places have no such figure.
 Result<document::Measure> measureByStep(const ScriptStep& step, const haptics::ContactScene& contact,
                                         const ViewModel& model);

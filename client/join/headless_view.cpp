@@ -44,6 +44,9 @@ void HeadlessView::perform(const ScriptStep& step, const ViewModel& model) {
     case Verb::select:
       selected_ = step.part;
       break;
+    case Verb::inspect:
+      inspection_ = step.inspection;
+      break;
     case Verb::look:
       camera_ = cameraFrom(step.from, step.vector, camera_);
       break;
@@ -113,7 +116,7 @@ ViewActions HeadlessView::act(const ViewModel& model) {
   const auto seesThrough = [](PartId) { return false; };
   shareView(shown_, actions.sections,
             SeenParts<decltype(hides), decltype(seesThrough)>{model.worldFromPart.size(), selected_,
-                                                              style(model), hides, seesThrough});
+                                                              style(model), inspection_, hides, seesThrough});
   actions.shown = shown_;
   return actions;
 }

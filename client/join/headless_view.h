@@ -33,6 +33,8 @@ class HeadlessView {
   /// How parts are drawn, likewise.
   const document::PartStyle& style(const ViewModel& model) const;
   const std::vector<PartId>& hidden() const { return hidden_; }
+  /// The clash and the measure that this person looks at, whoever looks besides.
+  const sync::Inspection& inspection() const { return inspection_; }
   /// Puts what this person sees into a view that is kept, all but the camera, which stands in it already.
   void keepIn(document::NamedView& view, const ViewModel& model) const;
 
@@ -42,6 +44,7 @@ class HeadlessView {
   document::PartStyle style_;                     // the same
   std::vector<PartId> hidden_;
   PartId selected_ = kNoPart;
+  sync::Inspection inspection_;
   sync::Presentation shown_;
   std::vector<sync::Say> says_;
   Following following_;

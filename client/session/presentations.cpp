@@ -20,6 +20,7 @@ bool same(const document::SectionPlane& a, const document::SectionPlane& b) {
 bool same(const Presentation& a, const Presentation& b) {
   return a.shares == b.shares && a.selected == b.selected && a.pointedAt == b.pointedAt &&
          a.place == b.place && a.hidden == b.hidden && a.transparent == b.transparent && a.style == b.style &&
+         a.inspection == b.inspection &&
          std::equal(a.sections.begin(), a.sections.end(), b.sections.begin(), b.sections.end(),
                     [](const auto& x, const auto& y) { return same(x, y); });
 }
@@ -129,6 +130,9 @@ PresentingView Presentations::view(std::size_t partCount) const {
     if (shown.selected >= partCount) shown.selected = kNoPart;
     if (shown.pointedAt >= partCount) shown.pointedAt = kNoPart;
     std::erase_if(shown.style.apart, [&](PartId part) { return part >= partCount; });
+    Inspection& looks = shown.inspection;
+    if (looks.a >= partCount || looks.b >= partCount || looks.a == looks.b) looks.a = looks.b = kNoPart;
+    std::erase_if(looks.marks, [&](const auto& mark) { return mark.part >= partCount; });
     return shown;
   };
   PresentingView view;

@@ -43,6 +43,7 @@ struct SeenParts {
   std::size_t count = 0;
   PartId selected = kNoPart;
   const document::PartStyle& style;
+  const sync::Inspection& inspection;
   Hides hides;
   SeesThrough seesThrough;
 };
@@ -56,10 +57,12 @@ void shareView(sync::Presentation& shown, const std::vector<document::SectionPla
   shown.transparent.clear();
   shown.selected = kNoPart;
   shown.style = {};
+  shown.inspection = {};
   if (shown.shares != sync::Shares::nothing) shown.sections = sections;
   if (shown.shares != sync::Shares::view) return;
   shown.selected = seen.selected;
   shown.style = seen.style;
+  shown.inspection = seen.inspection;
   const auto add = [](std::vector<std::uint8_t>& parts, std::size_t part) {
     parts.resize(part / 8 + 1);
     parts.back() = static_cast<std::uint8_t>(parts.back() | 1u << part % 8);

@@ -8,6 +8,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "assets/base/assert.h"
+#include "client/session/shown_clash.h"
 #include "client/viewer/colours.h"
 
 namespace tandem::client {
@@ -140,6 +141,31 @@ ClashWitness witnessOf(const ClashFindings& findings, const FoundClash& found,
   const double scale = 1.0 + glm::length(witness.onA) + glm::length(witness.onB);
   witness.moved = off > 1e-9 * scale;
   return witness;
+}
+
+sync::Inspection inspectionOf(const ClashFindings* findings, const ClashUi& ui,
+                              std::span<const Pose> worldFromPart) {
+  sync::Inspection looks;
+  if (!ui.open || ui.a == kNoPart) return looks;
+  const FoundClash* found = chosenClash(findings, ui);
+  if (found != nullptr) {
+    putClash(found->clash, findings->worldFromPart[ui.a], findings->worldFromPart[ui.b], looks);
+    looks.moved = witnessOf(*findings, *found, worldFromPart).moved;
+  } else {
+    looks.a = ui.a;
+    looks.b = ui.b;
+  }
+  return looks;
+}
+
+void addInspection(const sync::Inspection& looks, const ViewModel& model, bool apart,
+                   std::vector<PartLook>& looksOfParts, GlyphBatch& batch, std::vector<Label>& labels) {
+  if (looks.a == kNoPart) return;
+  markPair(looks.a, looks.b, looksOfParts);
+  if (looks.mark == sync::ClashMark::pair || apart) return;
+  const ClashWitness witness{transformPoint(model.worldFromPart[looks.a], looks.onA),
+                             transformPoint(model.worldFromPart[looks.b], looks.onB), looks.moved};
+  addClash(clashIn(looks), witness, batch, labels);
 }
 
 Camera cameraFor(const Camera& from, const ClashWitness& witness, double smallerDiagonal, double aspect) {

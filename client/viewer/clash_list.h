@@ -61,6 +61,15 @@ ClashWitness witnessOf(const ClashFindings& findings, const FoundClash& found,
 /// "0.412 mm deep", "depth unknown", "touch" or "0.080 mm apart".
 std::string measureOf(const Clash& clash);
 
+/// The chosen pair as the others are shown it, with its place where `findings` have it; none unless the list
+/// is open.
+sync::Inspection inspectionOf(const ClashFindings* findings, const ClashUi& ui,
+                              std::span<const Pose> worldFromPart);
+/// Marks the two parts that an inspection looks at, and where they clash unless `apart`: drawn elsewhere than
+/// they are.
+void addInspection(const sync::Inspection& looks, const ViewModel& model, bool apart,
+                   std::vector<PartLook>& looksOfParts, GlyphBatch& batch, std::vector<Label>& labels);
+
 /// A camera that looks across the line between the witness points, and shows enough of the smaller part (its
 /// diagonal in m) to recognise the place.
 Camera cameraFor(const Camera& from, const ClashWitness& witness, double smallerDiagonal, double aspect);

@@ -34,12 +34,14 @@ void SharedView::stop(Window window) {
 }
 
 void SharedView::takeOver(const PresentingView& presenting, Window window) {
-  if (!own_) own_ = Kept{window.sections, {}};
+  if (!own_) own_ = Kept{window.sections, {}, {}};
   window.sections = SectionSet(presenting.shared.sections);
   if (!following_.followsView()) {
     if (own_->parts) window.parts = *std::exchange(own_->parts, {});
+    takeOverMeasure({}, window.measures);
     return;
   }
+  takeOverMeasure(presenting.shared.inspection, window.measures);
   if (!own_->parts) own_->parts = window.parts;
   const PartId selected = window.parts.selected;
   window.parts.showAll();
@@ -53,24 +55,41 @@ void SharedView::takeOver(const PresentingView& presenting, Window window) {
   window.parts.selected = std::exchange(selected_, theirs) != theirs ? theirs : selected;
 }
 
+/// A measure that the leader has open stands in for the person's own, which comes back when it is closed.
+void SharedView::takeOverMeasure(const sync::Inspection& looks, MeasureUi& measures) {
+  if (!looks.measuring) {
+    if (own_->measures) measures = *std::exchange(own_->measures, {});
+    return;
+  }
+  if (!own_->measures) own_->measures = measures;
+  measures.open = true;
+  measures.chosen = 0;
+  measures.marks = looks.marks;
+}
+
 /// Whoever begins to share goes on with what is seen; else the person's own state returns.
 void SharedView::giveBack(Window window) {
   const Kept own = *std::exchange(own_, {});
   if (shares != Shares::nothing) return;
   window.sections = own.sections;
   if (own.parts) window.parts = *own.parts;
+  if (own.measures) window.measures = *own.measures;
 }
 
-Presentation SharedView::shown(const ViewModel& model, const SectionSet& sections, const PartDisplay& parts,
-                               PartId part, const glm::dvec3& under) const {
+Presentation SharedView::shown(const ViewModel& model, const Seen& seen, PartId part,
+                               const glm::dvec3& under) const {
   Presentation shown;
   if (model.role == sync::Role::observer || model.replay) return shown;
   shown.shares = shares;
+  const PartDisplay& parts = seen.parts;
   const auto hides = [&](PartId each) { return !parts.visible(each); };
   const auto seesThrough = [&](PartId each) { return parts.transparent(each); };
-  shareView(shown, sections.planes(),
+  sync::Inspection looks = scriptClash_.a != kNoPart ? scriptClash_ : seen.clash;
+  looks.measuring = seen.measures.open;
+  looks.marks = seen.measures.marks;
+  shareView(shown, seen.sections.planes(),
             SeenParts<decltype(hides), decltype(seesThrough)>{parts.partCount(), parts.selected, parts.style,
-                                                              hides, seesThrough});
+                                                              looks, hides, seesThrough});
   if (scriptPoint_) {
     shown.pointedAt = scriptPoint_->part;
     shown.place = scriptPoint_->point;

@@ -1,8 +1,9 @@
 #pragma once
 
 // What the person in a window shows the others, and what of theirs is followed here: sections, or a whole
-// view (camera, sections, hidden parts, how parts are drawn, selection). What is followed stands in the
-// window's own state; how that was before is kept, and comes back when the following ends.
+// view (camera, sections, hidden parts, how parts are drawn, selection, the marks of a clash, an open
+// measure). What is followed stands in the window's own state; how that was before is kept, and comes back
+// when the following ends.
 
 #include <array>
 #include <cstdint>
@@ -13,6 +14,7 @@
 #include "client/session/presenting_view.h"
 #include "client/viewer/glyphs.h"
 #include "client/viewer/hand_glyphs.h"
+#include "client/viewer/measure_list.h"
 #include "client/viewer/part_display.h"
 #include "client/viewer/section_set.h"
 #include "sync/wire/limits.h"
@@ -30,6 +32,7 @@ class SharedView {
   struct Window {
     SectionSet& sections;
     PartDisplay& parts;
+    MeasureUi& measures;
     SiteId& camera;  // the site whose camera this one follows; the person's own moves set it to none
   };
   /// Follows what another shares, or ends that. Once a frame, after the person's input and before the camera
@@ -44,19 +47,35 @@ class SharedView {
     scriptPoint_.reset();
     if (place.part != kNoPart) scriptPoint_ = place;
   }
+  /// Looks at a clash as a script does, whatever the list of clashes has; of no parts: no more.
+  void lookAtClash(const sync::Inspection& clash) { scriptClash_ = clash; }
+  /// The clash whose marks are drawn besides those of the window's own list: of the view that is followed, or
+  /// of a script.
+  const sync::Inspection& clash(const ViewModel& model) const {
+    return following_.followsView() ? model.presenting.shared.inspection : scriptClash_;
+  }
   /// Ends that at once, before something else changes the window.
   void stop(Window window);
 
+  /// What a person has open in the window, for the others to see.
+  struct Seen {
+    const SectionSet& sections;
+    const PartDisplay& parts;
+    const MeasureUi& measures;
+    const sync::Inspection& clash;  // chosen in the window's list
+  };
   /// What the others are shown. `under`: the place under the cursor, world; `part`: whose that is.
-  sync::Presentation shown(const ViewModel& model, const SectionSet& sections, const PartDisplay& parts,
-                           PartId part, const glm::dvec3& under) const;
+  sync::Presentation shown(const ViewModel& model, const Seen& seen, PartId part,
+                           const glm::dvec3& under) const;
 
  private:
   struct Kept {
     SectionSet sections;
-    std::optional<PartDisplay> parts;  // of a view that changed them
+    std::optional<PartDisplay> parts;   // of a view that changed them
+    std::optional<MeasureUi> measures;  // of a view with a measure
   };
   void takeOver(const PresentingView& presenting, Window window);
+  void takeOverMeasure(const sync::Inspection& looks, MeasureUi& measures);
   void giveBack(Window window);
 
   Following following_;
@@ -65,6 +84,7 @@ class SharedView {
   PartId selected_ = kNoPart;  // by the leader, when it was taken over last
   std::uint32_t ended_ = 0;
   std::optional<document::Anchor> scriptPoint_;
+  sync::Inspection scriptClash_;
 };
 
 /// What the person is writing to all.

@@ -110,7 +110,7 @@ class SceneViewer final : public Viewer {
   void addGlyphs(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& labels);
   void drawScene(const View& view, const ViewModel& model, const GlyphBatch& batch);
   glm::dvec2 pixelScale() const;
-  SharedView::Window window() { return {ui_.sections, ui_.parts, ui_.following}; }
+  SharedView::Window window() { return {ui_.sections, ui_.parts, ui_.measures, ui_.following}; }
   /// Whether parts are drawn elsewhere than they are, or will be in the next frame.
   bool apart() const { return apartNow_ || ui_.parts.style.explode > 0.0; }
   glm::dvec3 middle() const { return 0.5 * (sceneBounds_.min + sceneBounds_.max); }
@@ -148,7 +148,8 @@ glm::dvec2 SceneViewer::pixelScale() const {
 void SceneViewer::showOthers(const ViewModel& model, const Input& input, ViewActions& actions) {
   ui_.shared.pointing = input.keysDown[GLFW_KEY_X] && !ImGui::GetIO().WantTextInput;
   const PartId part = underCursor_ && !drag_.active() ? underCursor_->part : kNoPart;
-  actions.shown = ui_.shared.shown(model, ui_.sections, ui_.parts, part,
+  const auto clash = inspectionOf(model.clashes.findings.get(), ui_.clashes, model.worldFromPart);
+  actions.shown = ui_.shared.shown(model, {ui_.sections, ui_.parts, ui_.measures, clash}, part,
                                    underCursor_ ? underCursor_->point : glm::dvec3(0.0));
 }
 
@@ -481,10 +482,9 @@ void SceneViewer::drawScene(const View& view, const ViewModel& model, const Glyp
 
 /// Everything over the parts: what is chosen or written at them, and the people.
 void SceneViewer::addGlyphs(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& labels) {
-  if (ui_.clashes.open && ui_.clashes.a != kNoPart) markPair(ui_.clashes.a, ui_.clashes.b, looks_);
-  if (const FoundClash* found = apartNow_ ? nullptr : shownClash(model)) {
-    addClash(found->clash, witnessOf(*model.clashes.findings, *found, model.worldFromPart), batch, labels);
-  }
+  const sync::Inspection& theirs = ui_.shared.clash(model);
+  const auto own = inspectionOf(model.clashes.findings.get(), ui_.clashes, model.worldFromPart);
+  addInspection(theirs.a != kNoPart ? theirs : own, model, apartNow_, looks_, batch, labels);
   if (!apartNow_) addWayOut(model, batch);
   markBlockers(model.wayOut, looks_);
   addNotes(model, ui_.notes, batch, labels);

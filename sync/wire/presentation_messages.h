@@ -17,6 +17,24 @@ namespace tandem::sync {
 enum class Shares : std::uint8_t { nothing, sections, view };
 inline constexpr std::array<const char*, 3> kSharesNames{"nothing", "sections", "view"};
 
+/// What is known of two parts that clash: a pair is only marked, all else has a place on each of them.
+enum class ClashMark : std::uint8_t { pair, depth, unknownDepth, touch, clearance };
+inline constexpr std::array<const char*, 5> kClashMarkNames{"pair", "depth", "unknown depth", "touch",
+                                                            "clearance"};
+inline constexpr std::size_t kMaxMarks = 2;  // of a measure
+
+/// What a person looks at closely: two parts that clash, and a measure that is open.
+struct Inspection {
+  PartId a = kNoPart, b = kNoPart;  // the parts that clash; none: no clash is looked at
+  ClashMark mark = ClashMark::pair;
+  double amount = 0.0;            // m: how deep, or how far apart
+  bool moved = false;             // the parts have moved to each other since that was measured
+  glm::dvec3 onA{0.0}, onB{0.0};  // m: the place on each part, in its frame
+  bool measuring = false;
+  std::vector<document::Anchor> marks;  // the places that are measured
+  friend bool operator==(const Inspection&, const Inspection&) = default;
+};
+
 /// What a site shows now; from the server: what another site shows, or that it ended what this site shared.
 /// One site shares at a time. The camera of a view is that of the site's presence.
 struct Presentation {
@@ -27,6 +45,7 @@ struct Presentation {
   std::vector<std::uint8_t> hidden;       // of a view: bit p % 8 of byte p / 8 is that of part p
   std::vector<std::uint8_t> transparent;  // the same
   document::PartStyle style;              // of a view
+  Inspection inspection;                  // of a view
   PartId pointedAt = kNoPart;             // the part that the person points at
   glm::dvec3 place{0.0, 0.0, 0.0};        // m, in the frame of that part
 
@@ -38,6 +57,7 @@ struct Presentation {
     hidden.clear();
     transparent.clear();
     style = {};
+    inspection = {};
   }
 };
 

@@ -40,6 +40,7 @@ class Writer {
   void time(Micros value) { number(static_cast<std::uint64_t>(value)); }
   void real(double value) { number(std::bit_cast<std::uint64_t>(value)); }
   void share(double value) { real(value); }
+  void length(double value) { real(value); }
   void part(PartId value) { number(value); }
   template <typename E>
   void enumeration(E value, E /*last*/) {
@@ -127,6 +128,12 @@ class Reader {
     if (value >= 0.0 && value <= 1.0) return;
     value = 0.0;
     fail("a share is not 0 to 1");
+  }
+  void length(double& value) {
+    real(value);
+    if (value >= 0.0 && value <= kMaxCoordinate) return;
+    value = 0.0;
+    fail("a length is negative or out of range");
   }
   void part(PartId& value) {
     number(value);
@@ -396,11 +403,25 @@ void fields(auto& a, Is<Presentation> auto& m) {
   for (auto& part : m.style.apart) a.part(part);
   a.enumeration(m.style.colouring, document::PartColouring::byOwner);
   a.flag(m.style.ghosts);
+  a.part(m.inspection.a);
+  a.part(m.inspection.b);
+  a.enumeration(m.inspection.mark, ClashMark::clearance);
+  a.length(m.inspection.amount);
+  a.flag(m.inspection.moved);
+  a.vector(m.inspection.onA);
+  a.vector(m.inspection.onB);
+  a.flag(m.inspection.measuring);
+  a.count(m.inspection.marks, kMaxMarks, sizeof(PartId) + 3 * 8);
+  for (auto& mark : m.inspection.marks) {
+    a.part(mark.part);
+    a.vector(mark.point);
+  }
   a.part(m.pointedAt);
   a.vector(m.place);
 }
 static_assert(1 + 2 + 1 + 2 + document::kMaxSections * 48 + 2 + 2 * (2 + kMaxParts / 8) + 8 + 2 +
-                  document::kMaxApart * sizeof(PartId) + 2 + 2 + 24 <=
+                  document::kMaxApart * sizeof(PartId) + 2 + 2 + 24 + (2 + 2 + 1 + 8 + 1 + 48 + 1 + 2) +
+                  kMaxMarks * 26 <=
               kMaxRequestBytes);
 void fields(auto& a, Is<Say> auto& m) {
   a.number(m.site);

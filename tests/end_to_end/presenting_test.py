@@ -45,6 +45,7 @@ def test_presenting(binaries, folder):
     with Server(binaries, folder) as server:
         shows = [step(0.5, "section", planes=[[0, 0, 1, 0.04]]), step(0.5, "hide", parts=[PART]),
                  step(0.5, "select", part=PART), step(0.5, "point", part=PART),
+                 step(0.5, "inspect", parts=[PART, "board"], at=[[0, 0, 0]]),
                  step(0.5, "share", what="view"), step(2, "say", text=f"look at the [{PART}]")]
         watches = [step(0, "section", planes=[[1, 0, 0, 0.5]])]
         eve_stops = watches + [step(1, "follow", what="nothing"), step(3, "say", text="I look elsewhere")]
@@ -62,6 +63,8 @@ def test_presenting(binaries, folder):
         assert (got["shared_by"], got["shared"], got["follows"]) == ("Ada", "view", "view"), got
         assert [plane["point"] for plane in got["sections"]] == [[0, 0, 0.04]], got
         assert (got["hidden"], got["selected"]) == ([PART], PART), got
+        assert {got["clash"]["a"], got["clash"]["b"]} == {PART, "board"}, got
+        assert got["measuring"] and len(got["marks"]) == 1, got
         assert [(each["by"], each["part"]) for each in got["points"]] == [("Ada", PART)], got
         assert [line["by"] for line in got["said"]] == ["Ada", "Eve"], got
         assert (own["shared_by"], own["follows"]) == ("Ada", "nothing"), own

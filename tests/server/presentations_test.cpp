@@ -59,10 +59,19 @@ TEST_F(PresentationsTest, OfObserversAndOfUnknownPartsAreDroppedAndCounted) {
   wrong.selected = kNoPart;
   wrong.hidden = {1, 1};
   ada.send(wrong);
+  for (const auto& [a, b] : {std::pair<PartId, PartId>{0, 3}, {1, 1}, {kNoPart, 0}}) {
+    wrong = cut(0.1, Shares::view);
+    wrong.inspection.a = a;
+    wrong.inspection.b = b;
+    ada.send(wrong);
+  }
+  wrong.inspection = {};
+  wrong.inspection.marks = {{0, {}}, {kNoPart, {}}};
+  ada.send(wrong);
   ada.send(Say{0, "", {}});
   ada.send(Say{0, "that part", {PartId{3}}});
   settle();
-  EXPECT_EQ(session->counters().droppedPresentations, 3u);
+  EXPECT_EQ(session->counters().droppedPresentations, 7u);
   EXPECT_EQ(session->counters().droppedSays, 3u);
   for (const FakeSite* site : {&watcher, &ada}) {
     EXPECT_EQ(site->count<Presentation>() + site->count<Say>(), 0u);

@@ -85,6 +85,23 @@ TEST(HandScript, SaysHowPartsAreDrawn) {
     EXPECT_FALSE(stepOf(wrong).ok()) << wrong;
 }
 
+TEST(HandScript, SaysWhatIsLookedAtClosely) {
+  const assets::Scene scene = squareScene();
+  const auto stepOf = [&](const std::string& step) {
+    return parseHandScript("[" + step + "]", "test", scene);
+  };
+  const Result<HandScript> places = stepOf(R"({"t":0,"do":"inspect","at":[[0,0,0],[0.1,0,0]]})");
+  ASSERT_TRUE(places.ok()) << places.error().message;
+  EXPECT_EQ(places->steps[0].places.size(), 2u);
+  EXPECT_TRUE(places->steps[0].shows());
+  EXPECT_TRUE(stepOf(R"({"t":0,"do":"inspect"})").ok());
+  for (const char* wrong :
+       {R"({"t":0,"do":"inspect","parts":["square"]})",
+        R"({"t":0,"do":"inspect","parts":["square","square"]})",
+        R"({"t":0,"do":"inspect","at":[[0,0,0],[1,0,0],[2,0,0]]})", R"({"t":0,"do":"inspect","at":0})"})
+    EXPECT_FALSE(stepOf(wrong).ok()) << wrong;
+}
+
 TEST(HandScript, MovesAlongAMinimumJerkPath) {
   const assets::Scene scene = squareScene();
   ScriptedPerson p =

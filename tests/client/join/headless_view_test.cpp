@@ -174,6 +174,37 @@ TEST_F(SharedViews, APlaneThatJumpsPastAnothersToolDoesNotKickIt) {
 }
 TEST_F(SharedViews, APlaneKicksAHandThatTakesItWithoutCare) { EXPECT_GT(kickOfBen(*this, 0.1, true), 2.0); }
 
+TEST_F(SharedViews, TheMarksOfAClashAndAMeasureGoWithAViewAndEndWithIt) {
+  Site& ada = enter("ada");
+  Site& ben = enter("ben");
+  ScriptStep inspects = step(Verb::inspect);
+  Inspection& looks = inspects.inspection;
+  looks.a = 0;
+  looks.b = 1;
+  looks.mark = ClashMark::depth;
+  looks.amount = 0.002;
+  looks.onA = {0.01, 0.0, 0.0};
+  looks.measuring = true;
+  looks.marks = {{1, {0.0, 0.01, 0.0}}};
+  perform(ada, inspects);
+  perform(ada, share(Shares::sections));
+  settle();
+  const Inspection& told = ben.model.presenting.shared.inspection;
+  EXPECT_EQ(told, Inspection{}) << "sections alone are shared";
+  perform(ada, share(Shares::view));
+  settle();
+  EXPECT_EQ(told, looks);
+  perform(ada, step(Verb::inspect));
+  settle();
+  EXPECT_EQ(told, Inspection{}) << "she looks at nothing any more";
+  perform(ada, inspects);
+  settle();
+  EXPECT_EQ(told, looks);
+  perform(ada, share(Shares::nothing));
+  settle();
+  EXPECT_EQ(told, Inspection{});
+}
+
 TEST_F(SharedViews, WhoStopsFollowingHasTheirOwnSectionsBack) {
   Site& ada = enter("ada");
   Site& ben = enter("ben");

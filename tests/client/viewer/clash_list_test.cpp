@@ -142,6 +142,42 @@ TEST(ClashList, KeepsThePairThatWasChosen) {
   EXPECT_EQ(chosenClash(&findings, ui), nullptr) << "nothing was found between these";
 }
 
+TEST(ClashList, TheOthersAreShownTheChosenClashWithItsPlacesWhereTheyAreKnown) {
+  const assets::Scene scene = row();
+  const haptics::ContactScene contact(scene, 1);
+  std::vector<Pose> poses = posesOf(scene);
+  const ClashFindings findings = searchClashes(contact, {1e-3, false}, poses);
+  ClashUi ui;
+  ui.a = 1;
+  ui.b = 2;
+  EXPECT_EQ(inspectionOf(&findings, ui, poses), sync::Inspection{}) << "the list is closed";
+  ui.open = true;
+  EXPECT_EQ(inspectionOf(nullptr, ui, poses).mark, sync::ClashMark::pair);
+  const sync::Inspection looks = inspectionOf(&findings, ui, poses);
+  EXPECT_EQ(looks.mark, sync::ClashMark::clearance);
+  EXPECT_NEAR(looks.amount, 0.5e-3, 1e-12);
+  const double apart = glm::length(transformPoint(poses[2], looks.onB) - transformPoint(poses[1], looks.onA));
+  EXPECT_NEAR(apart, 0.5e-3, 1e-12);
+  poses[2].position.x += 0.002;
+  EXPECT_TRUE(inspectionOf(&findings, ui, poses).moved);
+  const ViewModel model = [&] {
+    ViewModel made;
+    made.scene = &scene;
+    made.worldFromPart = poses;
+    return made;
+  }();
+  const View view = makeView(Camera{}, {800.0, 600.0}, {{0.0, 0.0, 0.0}, 1.0});
+  GlyphBatch batch(view);
+  std::vector<Label> labels;
+  std::vector<PartLook> parts(scene.parts.size());
+  addInspection(looks, model, true, parts, batch, labels);
+  EXPECT_TRUE(labels.empty()) << "parts are drawn apart";
+  EXPECT_GT(parts[1].tintAmount, 0.0f);
+  addInspection(looks, model, false, parts, batch, labels);
+  ASSERT_EQ(labels.size(), 1u);
+  EXPECT_EQ(labels[0].text, "0.500 mm apart");
+}
+
 TEST(ClashList, WitnessPointsGoWithTheirParts) {
   const assets::Scene scene = row();
   const haptics::ContactScene contact(scene, 1);

@@ -78,6 +78,8 @@ struct Follower : SharedViews {
   SharedView shared;
   SectionSet sections;
   PartDisplay parts{2};
+  MeasureUi measures;
+  sync::Inspection clash;
   SiteId camera = kNoSite;
   Follower() {
     sections.before[1] = -0.04;
@@ -85,7 +87,7 @@ struct Follower : SharedViews {
     parts.selected = kLeft;
     parts.style.ghosts = true;
   }
-  void frame() { shared.follow(model, {sections, parts, camera}); }
+  void frame() { shared.follow(model, {sections, parts, measures, camera}); }
   void expectOwn() {
     EXPECT_EQ(sections.before[1], -0.04);
     EXPECT_FALSE(sections.beyond[0]);
@@ -149,12 +151,64 @@ TEST_F(Follower, AnOwnMoveOfTheCameraEndsItUntilThePersonFollowsAgain) {
 TEST_F(Follower, StoppingAtOnceLeavesTheWindowToWhatComesNext) {
   adaShares(Shares::view);
   frame();
-  shared.stop({sections, parts, camera});
+  shared.stop({sections, parts, measures, camera});
   expectOwn();
   sections = {};  // a named view, say
   camera = kNoSite;
   frame();
   EXPECT_FALSE(sections.any());
+}
+
+TEST_F(Follower, TheMarksOfAClashAndAnOpenMeasureAreTakenOverAndGivenBack) {
+  measures.open = true;
+  measures.marks = {{kLeft, {0.05, 0.0, 0.0}}};
+  adaShares(Shares::view);
+  frame();
+  EXPECT_EQ(measures.marks.size(), 1u) << "she measures nothing, so the person may";
+  sync::Inspection& looks = model.presenting.shared.inspection;
+  looks.a = kLeft;
+  looks.b = kRight;
+  looks.measuring = true;
+  looks.marks = {{kRight, {0.0, 0.05, 0.0}}, {kRight, {0.0, 0.0, 0.05}}};
+  frame();
+  EXPECT_EQ(measures.marks, looks.marks);
+  EXPECT_EQ(shared.clash(model).b, kRight);
+  looks.measuring = false;
+  looks.marks.clear();
+  frame();
+  EXPECT_EQ(measures.marks.at(0).part, kLeft) << "hers is closed";
+  looks.measuring = true;
+  frame();
+  EXPECT_TRUE(measures.marks.empty());
+  adaShares(Shares::nothing);
+  frame();
+  EXPECT_EQ(measures.marks.at(0).part, kLeft);
+  EXPECT_EQ(shared.clash(model).a, kNoPart);
+}
+
+TEST_F(Follower, OfAViewThatIsNotFollowedNothingIsMarked) {
+  shared.setFollows(false);
+  shared.followLater(false);
+  adaShares(Shares::view);
+  model.presenting.shared.inspection = {kLeft, kRight, {}, 0.0, false, {}, {}, true, {}};
+  frame();
+  EXPECT_EQ(shared.clash(model).a, kNoPart);
+  EXPECT_FALSE(measures.open);
+}
+
+TEST_F(Follower, WhoPresentsShowsTheChosenClashAndTheOpenMeasure) {
+  clash.a = kLeft;
+  clash.b = kRight;
+  measures.open = true;
+  measures.marks = {{kLeft, {0.05, 0.0, 0.0}}};
+  const auto shown = [&] { return shared.shown(model, {sections, parts, measures, clash}, kNoPart, {}); };
+  EXPECT_EQ(shown().inspection, sync::Inspection{}) << "nothing is shared";
+  shared.shares = Shares::sections;
+  EXPECT_EQ(shown().inspection, sync::Inspection{});
+  shared.shares = Shares::view;
+  EXPECT_EQ(shown().inspection.b, kRight);
+  EXPECT_TRUE(shown().inspection.measuring);
+  EXPECT_EQ(shown().inspection.marks, measures.marks);
 }
 
 TEST_F(Follower, OfSharedSectionsOnlyTheSectionsFollow) {
@@ -174,7 +228,8 @@ TEST_F(Follower, WhoeverSharesFollowsNobodyAndGoesOnWithWhatIsSeen) {
   shared.shares = Shares::sections;
   frame();
   expectAdas();
-  const Presentation shown = shared.shown(model, sections, parts, kRight, {0.15, 0.0, 0.0});
+  const Presentation shown =
+      shared.shown(model, {sections, parts, measures, clash}, kRight, {0.15, 0.0, 0.0});
   EXPECT_EQ(shown.shares, Shares::sections);
   EXPECT_EQ(shown.sections.size(), 1u);
   EXPECT_EQ(shown.pointedAt, kNoPart) << "who shares sections alone does not point";
@@ -184,21 +239,22 @@ TEST_F(Follower, WhoeverSharesFollowsNobodyAndGoesOnWithWhatIsSeen) {
 }
 
 TEST_F(Follower, WhoPresentsOrHoldsTheKeyPointsAtAPlaceOnThePart) {
-  EXPECT_EQ(shared.shown(model, sections, parts, kRight, {0.15, 0.01, 0.0}).pointedAt, kNoPart);
+  EXPECT_EQ(shared.shown(model, {sections, parts, measures, clash}, kRight, {0.15, 0.01, 0.0}).pointedAt,
+            kNoPart);
   shared.pointing = true;
-  Presentation shown = shared.shown(model, sections, parts, kRight, {0.15, 0.01, 0.0});
+  Presentation shown = shared.shown(model, {sections, parts, measures, clash}, kRight, {0.15, 0.01, 0.0});
   EXPECT_EQ(shown.shares, Shares::nothing);
   EXPECT_EQ(shown.pointedAt, kRight);
   EXPECT_NEAR(glm::length(shown.place - glm::dvec3(0.05, 0.01, 0.0)), 0.0, 1e-12);
   shared.pointing = false;
   shared.shares = Shares::view;
-  shown = shared.shown(model, sections, parts, kRight, {0.15, 0.01, 0.0});
+  shown = shared.shown(model, {sections, parts, measures, clash}, kRight, {0.15, 0.01, 0.0});
   EXPECT_EQ(shown.pointedAt, kRight);
   EXPECT_EQ(shown.hidden, std::vector<std::uint8_t>{1u << kRight});
   EXPECT_EQ(shown.style, parts.style);
   EXPECT_EQ(shown.selected, kLeft);
   model.role = sync::Role::observer;
-  EXPECT_EQ(shared.shown(model, sections, parts, kRight, {}).shares, Shares::nothing);
+  EXPECT_EQ(shared.shown(model, {sections, parts, measures, clash}, kRight, {}).shares, Shares::nothing);
 }
 
 struct FollowingWindow : SharedViews {

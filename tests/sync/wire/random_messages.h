@@ -140,9 +140,23 @@ class RandomMessages {
     for (std::uint32_t n = number(20); n > 0; --n)
       m.transparent.push_back(static_cast<std::uint8_t>(number(256)));
     m.style = style();
+    m.inspection = inspection();
     m.pointedAt = partId();
     m.place = vector(1.0);
     return m;
+  }
+  Inspection inspection() {
+    Inspection looks;
+    looks.a = partId();
+    looks.b = partId();
+    looks.mark = static_cast<ClashMark>(number(5));
+    looks.amount = static_cast<double>(number(100)) * 1e-3;
+    looks.moved = number(2) == 1;
+    looks.onA = vector(1.0);
+    looks.onB = vector(1.0);
+    looks.measuring = number(2) == 1;
+    for (std::uint32_t n = number(3); n > 0; --n) looks.marks.push_back({partId(), vector(1.0)});
+    return looks;
   }
   document::PartStyle style() {
     document::PartStyle style;
