@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "server/admission.h"
 #include "server/places.h"
@@ -17,6 +18,7 @@ struct SessionConfig {
   SigningKey key;                     // of resume tickets
   std::optional<SigningKey> linkKey;  // of join tokens; none: the same
   Places places;
+  std::string voiceUrl;                       // told to all who join; empty: none
   std::size_t chunkBytes = 32 * 1024;         // of the scene transfer
   std::size_t maxBacklogBytes = 512 * 1024;   // queued to a loading site before the next chunk waits
   std::int64_t ticketLifetime_s = 24 * 3600;  // of resume tickets

@@ -177,6 +177,7 @@ sync::Welcome SiteAdmission::welcomeFor(const KnownSite& site, std::vector<sync:
   welcome.sceneHash = ground_.scene.hash();
   welcome.sceneBytes = ground_.scene.size();
   welcome.lease = ground_.config.lease.lease;
+  welcome.voiceUrl = ground_.config.voiceUrl;
   welcome.sites = ground_.sites.listed();
   rest = ground_.parts.table().records();
   const auto inWelcome = static_cast<std::ptrdiff_t>(std::min(rest.size(), kMaxPartsInWelcome));

@@ -115,6 +115,7 @@ std::string reportJson(JoinedSite& site, const ViewModel& model, const JoinRepor
   json["reconnects"] = connection.reconnects;
   json["sent"] = trafficJson(connection.sent);
   json["received"] = trafficJson(connection.received);
+  json["voice_url"] = model.connection.voiceUrl;
   json["dropped_states"] = connection.droppedStates;
   json["state_over_udp"] = model.connection.stateOverUdp;
   json["flags_seen"] = flagNames(model.hand.flagsSeen);

@@ -75,6 +75,10 @@ void LiveTable::show(const ViewModel& model, double elapsed) {
   std::printf("hand  %.2f N  touches %s  holds %s", glm::length(model.hand.force),
               orDash(partName(model, model.hand.touched)).c_str(), heldHere(model).c_str());
   end();
+  if (!model.connection.voiceUrl.empty()) {
+    std::printf("voice  %s", model.connection.voiceUrl.c_str());
+    end();
+  }
   if (model.document != nullptr) {
     std::fputs(("document  " + inWords(*model.document)).c_str(), stdout);
     end();

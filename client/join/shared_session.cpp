@@ -36,6 +36,7 @@ void SharedSession::exchange(ServerConnection& connection, std::size_t partCount
     measureRates(before, toMain_.statistics.transport);
     toMain_.stage = connection.stage();
     toMain_.reason = connection.reason();
+    toMain_.voiceUrl = connection.voiceUrl();
     if (const auto* sockets = dynamic_cast<SocketTransport*>(connection.transport()))
       toMain_.udp = sockets->stateOverUdp(0);
     commands.worldFromCamera = toNetwork_.worldFromCamera;
@@ -102,6 +103,7 @@ std::vector<Notice> SharedSession::read(ViewModel& model, std::size_t partCount)
   model.connection.sentKbit_s = toMain_.sentKbit_s;
   model.connection.receivedKbit_s = toMain_.receivedKbit_s;
   model.connection.stateOverUdp = toMain_.udp;
+  model.connection.voiceUrl = toMain_.voiceUrl;
   model.documentStanding = toMain_.documentStanding;
   const DocumentNews news = std::exchange(toMain_.document, {});
   model.presenting = toMain_.presenting;

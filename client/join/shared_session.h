@@ -44,7 +44,7 @@ class SharedSession {
     std::vector<ChatLine> chat;  // since the last read()
     std::vector<Notice> notices;
     ConnectionStatistics statistics;
-    std::string reason;
+    std::string reason, voiceUrl;
     ServerConnection::Stage stage = ServerConnection::Stage::connecting;
     bool udp = true;
     double sentKbit_s = 0.0, receivedKbit_s = 0.0;  // low-passed

@@ -236,6 +236,8 @@ void ServerConnection::handle(Welcome& message) {
     transport_->close(0);
     return;
   }
+  if (!message.voiceUrl.empty() && message.voiceUrl != welcome_.voiceUrl)
+    people_.notice(Notice::Level::info, "People talk at " + message.voiceUrl);
   welcome_ = std::move(message);
   resumeTicket_ = welcome_.resumeTicket;
   options_.lease.lease = welcome_.lease;

@@ -56,6 +56,8 @@ class ServerConnection {
   Stage stage() const { return stage_; }
   /// Why the site is not in the session, in words.
   const std::string& reason() const { return reason_; }
+  /// Where the people of the session talk, as the server says; empty: it names no place.
+  const std::string& voiceUrl() const { return welcome_.voiceUrl; }
   const sync::Welcome& welcome() const { return welcome_; }
 
   /// The scene package is in a store, so no transfer is needed.

@@ -82,6 +82,7 @@ struct ConnectionView {
   double playOut_ms = 0.0;
   double sentKbit_s = 0.0, receivedKbit_s = 0.0;
   bool stateOverUdp = true;
+  std::string voiceUrl;  // where people talk; empty: nowhere that the server names
 };
 
 /// A participant of the session.

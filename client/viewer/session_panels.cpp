@@ -187,9 +187,23 @@ std::string activityOf(const ViewModel& model, const SiteView& site) {
   return site.self || site.seen ? "here" : "joining";
 }
 
+/// Where people talk, to be copied whole.
+void drawVoice(const std::string& url) {
+  if (url.empty()) return;
+  const float button = ImGui::CalcTextSize("Copy").x + 4.0f * ImGui::GetStyle().FramePadding.x;
+  ImGui::TextColored(theme::kMuted, "Voice");
+  ImGui::SameLine();
+  const std::string shown = shortenedTo(url, ImGui::GetContentRegionAvail().x - button);
+  ImGui::TextUnformatted(shown.c_str());
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", url.c_str());
+  ImGui::SameLine();
+  if (ImGui::SmallButton("Copy##voice")) ImGui::SetClipboardText(url.c_str());
+}
+
 void drawPeople(const PanelContext& context) {
   if (context.model.sites.empty()) ImGui::TextDisabled("Nobody else: this is a local scene");
   for (const SiteView& site : context.model.sites) drawPerson(context, site);
+  drawVoice(context.model.connection.voiceUrl);
   drawSharing(context);
 }
 

@@ -218,6 +218,7 @@ int run(Options& options) {
   config.key = server.directory.signingKey();
   config.linkKey = server.directory.linkKey();
   config.places = options.places;
+  config.voiceUrl = options.voiceUrl;
   config.lease.lease = options.lease;
   config.lease.margin = std::min(config.lease.margin, options.lease / 8);
   Session session(server.scene, server.package, config, *server.transport, *server.journal,

@@ -13,6 +13,7 @@
 #include "assets/base/command_line.h"
 #include "sync/wire/limits.h"
 #include "sync/wire/participant_messages.h"
+#include "sync/wire/voice_url.h"
 
 namespace tandem::server {
 namespace {
@@ -124,6 +125,10 @@ Status understand(const Raw& raw, Options& options) {
   };
   if (options.linkHost.size() > 253 || !std::all_of(options.linkHost.begin(), options.linkHost.end(), ofHost))
     return Error{"--link-host " + options.linkHost.substr(0, 60) + ": not the name or address of a host"};
+  if (!options.voiceUrl.empty() && !sync::isVoiceUrl(options.voiceUrl))
+    return Error{"--voice-url " + options.voiceUrl.substr(0, 60) + ": must be a URL of " +
+                 sync::kVoiceSchemes + ", of at most " + std::to_string(sync::kMaxVoiceUrl) +
+                 " plain characters"};
   for (const std::string& invite : raw.invites)
     if (Status status = parseInvite(invite, options.invites); !status) return status;
   if (Status status = parsePlaces(raw, options.places); !status) return status;
@@ -164,6 +169,8 @@ void addOptions(assets::CommandLine& app, Raw& raw, Options& options) {
       .integerFrom(0, static_cast<int>(sync::kMaxSites - Places::kForInstructor - 1));
   app.option("--link-host", options.linkHost, "host in the links, as the sites reach this machine")
       .typeName("HOST");
+  app.option("--voice-url", options.voiceUrl, "where people talk to each other; shown to all who join")
+      .typeName("URL");
   app.option("--token-lifetime", options.tokenLifetime_s, "how long a link is good, s")
       .typeName("S")
       .integerFrom(1, 366 * 24 * 3600)

@@ -28,6 +28,7 @@ struct Options {
   std::string data = "tandem-data";
   std::string record;  // empty: no recording
   Places places;
+  std::string voiceUrl;                 // where people talk; empty: nowhere that all are told of
   std::array<int, 3> invites{1, 1, 1};  // open links a role, by sync::Role
   std::int64_t tokenLifetime_s = 24 * 3600;
   sync::Micros lease = 2 * sync::kSecond;

@@ -38,6 +38,7 @@ struct Welcome {
   std::uint64_t sceneBytes = 0;
   Micros sessionTime = 0;         // when this was sent
   Micros lease = 0;               // length of a lease
+  std::string voiceUrl;           // where people talk, see voice_url.h; empty: the server names none
   std::vector<SiteInfo> sites;    // everybody, this site included
   std::vector<PartRecord> parts;  // those that were ever granted or moved
 };

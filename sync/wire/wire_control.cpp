@@ -13,6 +13,7 @@
 #include "assets/base/printable.h"
 #include "assets/document/entry_check.h"
 #include "sync/wire/document_codec.h"
+#include "sync/wire/voice_url.h"
 #include "sync/wire/wire.h"
 
 namespace tandem::sync {
@@ -47,6 +48,10 @@ class Writer {
     number(static_cast<std::uint8_t>(value));
   }
   void text(const std::string& value, std::size_t limit) { string(printable(value, limit)); }
+  void voiceUrl(const std::string& value) {
+    ASSERT(value.empty() || isVoiceUrl(value));
+    string(value);
+  }
   void credential(const std::string& value) { string(value.substr(0, kMaxCredentialLength)); }
   template <std::size_t N>
   void raw(const std::array<std::uint8_t, N>& value) {
@@ -152,6 +157,10 @@ class Reader {
   void text(std::string& value, std::size_t limit) {
     string(value, limit);
     if (!isPrintable(value)) fail("text is not printable UTF-8");
+  }
+  void voiceUrl(std::string& value) {
+    string(value, kMaxVoiceUrl);
+    if (!value.empty() && !isVoiceUrl(value)) fail("a voice URL is not one");
   }
   void credential(std::string& value) {
     string(value, kMaxCredentialLength);
@@ -304,6 +313,7 @@ void fields(auto& a, Is<Welcome> auto& m) {
   a.number(m.sceneBytes);
   a.time(m.sessionTime);
   a.time(m.lease);
+  a.voiceUrl(m.voiceUrl);
   a.count(m.sites, kMaxSites, kSmallestSiteInfo);
   for (auto& site : m.sites) fields(a, site);
   a.count(m.parts, kMaxParts, kPartRecordBytes);

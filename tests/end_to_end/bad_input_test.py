@@ -84,6 +84,8 @@ def cases(folder, binaries):
     yield ["tandem-server", "a\nb.glb"], "a_b.glb"
     yield ["tandem-server", PUMP, "--gravity", "1e308,0,0"], "--gravity"
     yield ["tandem-server", PUMP, "--link-host", "a b\nc"], "--link-host"
+    for url in ("file:///etc/passwd", "https://a\x1b[2J", "https://a.org/" + 300 * "x", "meet.example.org"):
+        yield ["tandem-server", PUMP, "--voice-url", url], "--voice-url"
     data = folder / "data"
     serve = ["tandem-server", PUMP, "--listen", "127.0.0.1:0", "--duration", "0.1"]
     recording = str(folder / "nobody.rec")

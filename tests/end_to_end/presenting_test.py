@@ -34,7 +34,10 @@ class Visitor:
     def leave(self):
         self.process.terminate()
         assert self.process.wait(20) == 0, self.out.read_text()
-        return json.loads(self.json.read_text())["presenting"]
+        return self.report()["presenting"]
+
+    def report(self):
+        return json.loads(self.json.read_text())
 
 
 def step(t, verb, **members):
@@ -72,5 +75,14 @@ def test_presenting(binaries, folder):
         assert shown["shares"] == "view" and shown["shared_by"] == "", shown
 
 
+def test_voice(binaries, folder):
+    url = "mumble://voice.example.org:64738/review"
+    with Server(binaries, folder, "--voice-url", url) as server:
+        ben = Visitor(binaries, folder, server.links("observer")[0], "Ben", [])
+        wait_for(lambda: ben.said(f"People talk at {url}"), "Ben is told where people talk")
+        ben.leave()
+        assert ben.report()["voice_url"] == url, ben.report()
+
+
 if __name__ == "__main__":
-    sys.exit(run(test_presenting))
+    sys.exit(run(test_presenting, test_voice))

@@ -205,6 +205,7 @@ class RandomMessages {
     m.sceneBytes = random_();
     m.sessionTime = time();
     m.lease = time();
+    if (chance(0.5)) m.voiceUrl = "mumble://voice.example.org:" + std::to_string(number(65536));
     for (std::uint32_t n = number(5); n > 0; --n) m.sites.push_back(site());
     for (std::uint32_t n = number(5); n > 0; --n) m.parts.push_back(record());
     return m;
