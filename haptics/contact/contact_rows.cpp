@@ -20,10 +20,10 @@ float* aligned(float* p) {
 }  // namespace
 
 ContactRows::ContactRows()
-    : storage_(new float[7 * kMaxPlanes + kAlignment]),
-      source_(new RowSource[kMaxPlanes]),
-      ball_(new Ball[kMaxBalls]),
-      rows_(new ExactRow[kMaxExact]) {
+    : storage_(std::make_unique<float[]>(7 * kMaxPlanes + kAlignment)),
+      source_(std::make_unique<RowSource[]>(kMaxPlanes)),
+      ball_(std::make_unique<Ball[]>(kMaxBalls)),
+      rows_(std::make_unique<ExactRow[]>(kMaxExact)) {
   float* next = aligned(storage_.get());
   for (float*& column : wrench_) {
     column = next;

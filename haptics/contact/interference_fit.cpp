@@ -5,6 +5,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "haptics/base/simd4.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -54,7 +56,8 @@ InterferenceFit::Facing::Facing(const SampledModels& models, const ContactSample
 bool InterferenceFit::measure(const PartModel& hollow, const PartModel& plug, const Pose& plugFromHollow,
                               const assets::Bounds& near, double deepest) {
   points_.clear();
-  entries_.clear();
+  cells_.clear();
+  fours_.clear();
   depth_ = 0.0;
   box_ = {};
   const glm::dvec3 size = near.max - near.min;
@@ -79,9 +82,7 @@ bool InterferenceFit::measure(const PartModel& hollow, const PartModel& plug, co
       }
     }
   }
-  if (!isHollow()) return false;
-  index();
-  return true;
+  return isHollow() && index();
 }
 
 bool InterferenceFit::add(const Point& point) {
@@ -114,43 +115,78 @@ std::uint32_t InterferenceFit::cellOf(const glm::vec3& at) const {
   return in.z << 20 | in.y << 10 | in.x;
 }
 
-void InterferenceFit::index() {
+bool InterferenceFit::index() {
+  FixedVector<Entry, kMaxEntries> entries;
   const glm::dvec3 whole(kWhole * spacing_);
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const Point& point = points_[i];
     const glm::dvec3 at = origin_ + glm::dvec3(point.at);
     box_.min = glm::min(box_.min, at - whole);
     box_.max = glm::max(box_.max, at + whole);
-    const std::size_t first = entries_.size();
+    const std::size_t first = entries.size();
     for (int corner = 0; corner < 8; ++corner) {
       const glm::vec3 off((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1, (corner & 4) != 0 ? 1 : -1);
       const std::uint32_t cell = cellOf(point.at + reach() * off);
       const auto known = [&](const Entry& entry) { return entry.cell == cell; };
-      if (std::any_of(entries_.begin() + static_cast<std::ptrdiff_t>(first), entries_.end(), known)) continue;
-      entries_.push_back({cell, static_cast<std::uint16_t>(i)});
+      if (std::any_of(entries.begin() + static_cast<std::ptrdiff_t>(first), entries.end(), known)) continue;
+      entries.push_back({cell, static_cast<std::uint16_t>(i)});
     }
   }
-  std::sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) {
+  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
     return a.cell != b.cell ? a.cell < b.cell : a.point < b.point;
   });
+  std::size_t among = 0;  // entries of the present cell so far
+  for (const Entry& entry : entries) {
+    if (cells_.empty() || cells_.back().cell != entry.cell) {
+      if (cells_.full()) return false;
+      const auto next = static_cast<std::uint32_t>(fours_.size());
+      cells_.push_back({entry.cell, next, next});
+      among = 0;
+    }
+    addToCell(points_[entry.point], among++);
+  }
+  return true;
 }
 
-float InterferenceFit::weight(const Point& point, const glm::vec3& at, const glm::vec3& facing) const {
-  const float turned = (glm::dot(point.normal, facing) - kAskew) / (kFacing - kAskew);
-  if (turned <= 0.0f) return 0.0f;
+void InterferenceFit::addToCell(const Point& point, std::size_t among) {
+  if (among % 4 == 0) {
+    fours_.push_back({});
+    ++cells_.back().end;
+  }
+  Four& four = fours_.back();
+  for (int k = 0; k < 3; ++k) {
+    four.at[k][among % 4] = point.at[k];
+    four.normal[k][among % 4] = point.normal[k];
+  }
+}
+
+float InterferenceFit::shareOf(const Four& points, const glm::vec3& at, const glm::vec3& facing) const {
+  const auto dot = [](const Float4* a, const Float4* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
+  Float4 normal[3], direction[3], off[3];
+  for (int k = 0; k < 3; ++k) {
+    normal[k] = Float4::load(points.normal[k]);
+    direction[k] = Float4(facing[k]);
+    off[k] = Float4(at[k]) - Float4::load(points.at[k]);
+  }
+  const Float4 askew(kAskew), cosine = dot(normal, direction);
+  if (lessMask(askew, cosine) == 0) return 0.0f;
   // A jump would be felt.
-  const float beside = reach() - glm::length(at - point.at);
-  if (beside <= 0.0f) return 0.0f;
-  return std::min(turned, 1.0f) * std::min(beside / static_cast<float>(spacing_), 1.0f);
+  const Float4 none, one(1.0f), spacing(static_cast<float>(spacing_));
+  const Float4 turned = (cosine - askew) / Float4(kFacing - kAskew);
+  const Float4 beside = Float4(reach()) - sqrt(dot(off, off));
+  alignas(16) float lanes[4];
+  (min(max(turned, none), one) * min(max(beside, none) / spacing, one)).store(lanes);
+  return std::max(std::max(lanes[0], lanes[1]), std::max(lanes[2], lanes[3]));
 }
 
 float InterferenceFit::shareAt(const glm::vec3& at, const glm::vec3& direction) const {
-  const std::uint32_t cell = cellOf(at);
-  const auto before = [](const Entry& entry, std::uint32_t value) { return entry.cell < value; };
+  const std::uint32_t number = cellOf(at);
+  const auto before = [](const Cell& cell, std::uint32_t value) { return cell.cell < value; };
+  const auto cell = std::lower_bound(cells_.begin(), cells_.end(), number, before);
+  if (cell == cells_.end() || cell->cell != number) return 0.0f;
   float share = 0.0f;
-  for (auto entry = std::lower_bound(entries_.begin(), entries_.end(), cell, before);
-       entry != entries_.end() && entry->cell == cell && share < 1.0f; ++entry)
-    share = std::max(share, weight(points_[entry->point], at, direction));
+  for (std::uint32_t i = cell->first; i < cell->end && share < 1.0f; ++i)
+    share = std::max(share, shareOf(fours_[i], at, direction));
   return share;
 }
 

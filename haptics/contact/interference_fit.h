@@ -43,7 +43,8 @@ class InterferenceFit {
   double greatestShift() const { return 1.75 * depth_; }
 
  private:
-  static constexpr std::size_t kMaxPoints = 768, kMaxEntries = 8 * kMaxPoints;
+  static constexpr std::size_t kMaxPoints = 768, kMaxEntries = 8 * kMaxPoints, kMaxCells = 256;
+  static constexpr std::size_t kMaxFours = kMaxEntries / 4 + kMaxCells;
   static constexpr std::size_t kMaxNormals = 16;  // of one sample
   static constexpr double kWhole = 1.2;           // spacings from a point over which its depth holds
 
@@ -55,6 +56,13 @@ class InterferenceFit {
   struct Entry {
     std::uint32_t cell = 0;
     std::uint16_t point = 0;
+  };
+  /// Four points of a cell side by side; the last ones of a cell may be none, which look nowhere.
+  struct alignas(16) Four {
+    float at[3][4] = {}, normal[3][4] = {};
+  };
+  struct Cell {
+    std::uint32_t cell = 0, first = 0, end = 0;  // the number of the cell; its part of fours_
   };
 
   /// A sample as the wall sees it: surfaces that it meets would look in these directions.
@@ -69,11 +77,15 @@ class InterferenceFit {
   bool add(const Point& point);
   /// Whether the walls look at each other.
   bool isHollow() const;
-  void index();
+  /// Sorts the points by the cells in which they may matter; false if there are too many cells.
+  bool index();
+  /// `among`: how many points the last cell has.
+  void addToCell(const Point& point, std::size_t among);
   /// The share of the depth by which a surface is taken back at a place where the wall would look in a
   /// direction.
   float shareAt(const glm::vec3& at, const glm::vec3& direction) const;
-  float weight(const Point& point, const glm::vec3& at, const glm::vec3& facing) const;
+  /// The largest share that any of four points has in that.
+  float shareOf(const Four& points, const glm::vec3& at, const glm::vec3& facing) const;
   /// The shift of a sample of the plug, in the frame of the hollow part.
   glm::dvec3 shiftOf(const Facing& sample) const;
 
@@ -82,7 +94,8 @@ class InterferenceFit {
   double depth_ = 0.0;                // m
   assets::Bounds box_;                // m; beside it a shift falls to 0 over spacing_
   FixedVector<Point, kMaxPoints> points_;
-  FixedVector<Entry, kMaxEntries> entries_;  // by cell
+  FixedVector<Cell, kMaxCells> cells_;  // by number
+  FixedVector<Four, kMaxFours> fours_;
 };
 
 }  // namespace tandem::haptics

@@ -77,7 +77,7 @@ const InterferenceFit* Overlaps::fit(int pair, bool& firstIsHollow) const {
   const Overlap& overlap = overlapOf(pair);
   if (overlap.fit == kNoFit) return nullptr;
   firstIsHollow = overlap.aIsHollow == (overlap.a == island_.first(island_.pair(pair)).part);
-  return &fits_[static_cast<std::size_t>(overlap.fit)];
+  return &*fits_[static_cast<std::size_t>(overlap.fit)];
 }
 
 bool Overlaps::contained(int pair) const { return has(pair) && overlapOf(pair).contained; }
@@ -239,7 +239,7 @@ bool Overlaps::keepFit(const ContactPair& pair) {
     return overlap.fit != kNoFit && isOf(overlap, part, pair.other);
   });
   if (known == overlaps_.end()) return false;
-  const InterferenceFit& fit = fits_[static_cast<std::size_t>(known->fit)];
+  const InterferenceFit& fit = *fits_[static_cast<std::size_t>(known->fit)];
   const double most = kExplained * pair.model->field.tolerance();
   if (unexplained(fit, pair, known->aIsHollow == (known->a == part)) <= most) return true;
   overlaps_.erase(known);
@@ -260,7 +260,7 @@ void Overlaps::findFit(const ContactPair& pair, Overlap& overlap) {
   if (overlap.allowed < std::max(first.field.tolerance(), other.field.tolerance())) return;
   const int free = freeFit();
   if (free == kNoFit) return;
-  InterferenceFit& fit = fits_[static_cast<std::size_t>(free)];
+  InterferenceFit& fit = fits_[static_cast<std::size_t>(free)].emplace();
   for (const bool firstIsHollow : {false, true}) {
     if (!measureFit(fit, pair, firstIsHollow, overlap)) continue;
     overlap.fit = free;

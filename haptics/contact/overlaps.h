@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "assets/scene/scene.h"
 #include "haptics/base/fault.h"
@@ -44,7 +45,7 @@ class Overlaps {
  public:
   /// Alone allocates.
   Overlaps(const ContactWorld& world, const ContactIsland& island, FaultLatch& fault)
-      : world_(world), island_(island), fault_(fault), fits_(new InterferenceFit[kMaxFits]) {}
+      : world_(world), island_(island), fault_(fault), fits_(new std::optional<InterferenceFit>[kMaxFits]) {}
 
   // When a part begins to move here.
 
@@ -132,8 +133,8 @@ class Overlaps {
   const ContactIsland& island_;
   FaultLatch& fault_;
   FixedVector<Overlap, kMaxOverlaps> overlaps_;
-  std::unique_ptr<InterferenceFit[]> fits_;  // kMaxFits
-  int queries_ = 0;                          // of the present measure()
+  std::unique_ptr<std::optional<InterferenceFit>[]> fits_;  // kMaxFits; the storage of none is not written
+  int queries_ = 0;                                         // of the present measure()
   // Of the present step, one a pair of the island.
   std::array<int, kMaxPairs> of_{};          // into overlaps_; -1: none
   std::array<double, kMaxPairs> deepest_{};  // m, an upper bound

@@ -37,8 +37,8 @@ SideClocks::SideClocks(const ContactWorld& world) {
     mostNodes_ = std::max(mostNodes_, model->samples.nodes().size());
   }
   room_ = largest_ > 0 ? std::max(kMaxTimes, largest_) : 0;
-  times_.reset(new float[room_]);
-  visited_.reset(new std::uint32_t[mostNodes_]);
+  times_ = std::make_unique<float[]>(room_);
+  visited_ = std::make_unique<std::uint32_t[]>(mostNodes_);
 }
 
 void SideClocks::restart(Side& side, const SampledModels& models) {
