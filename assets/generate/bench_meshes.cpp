@@ -35,8 +35,7 @@ assets::Mesh finish(assets::TriangleSoup soup, Topology topology) {
   mesh.triangles = std::move(soup.triangles);
   mesh.triangleMaterial = std::move(soup.triangleMaterial);
   for (const glm::dvec3& p : mesh.positions) {
-    mesh.bounds.min = glm::min(mesh.bounds.min, p);
-    mesh.bounds.max = glm::max(mesh.bounds.max, p);
+    mesh.bounds.include(p);
   }
   return mesh;
 }
@@ -256,8 +255,7 @@ void addPart(assets::Scene& scene, const glm::dvec3& position) {
   part.mesh = 0;
   part.worldFromPart.position = position;
   const assets::Bounds& box = scene.meshes[0].bounds;
-  scene.bounds.min = glm::min(scene.bounds.min, position + box.min);
-  scene.bounds.max = glm::max(scene.bounds.max, position + box.max);
+  scene.bounds.include({position + box.min, position + box.max});
   scene.parts.push_back(std::move(part));
 }
 

@@ -58,8 +58,8 @@ assets::Scene largeAssembly(int parts, int triangles) {
   });
   for (const assets::Part& part : scene.parts) {
     const assets::Bounds& box = scene.meshes[part.mesh].bounds;
-    scene.bounds.min = glm::min(scene.bounds.min, part.worldFromPart.position + box.min);
-    scene.bounds.max = glm::max(scene.bounds.max, part.worldFromPart.position + box.max);
+    const glm::dvec3& at = part.worldFromPart.position;
+    scene.bounds.include({at + box.min, at + box.max});
   }
   return scene;
 }

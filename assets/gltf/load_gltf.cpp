@@ -196,8 +196,7 @@ class SceneBuilder {
         const glm::dvec3 inWorld = transformPoint(part.worldFromPart, point);
         if (!nearOrigin(inWorld))
           throw GltfError("nodes", "part '" + part.name + "' lies farther than 1e9 m from the origin");
-        scene_.bounds.min = glm::min(scene_.bounds.min, inWorld);
-        scene_.bounds.max = glm::max(scene_.bounds.max, inWorld);
+        scene_.bounds.include(inWorld);
       }
     };
     if (!nearOrigin(part.worldFromPart.position))

@@ -89,8 +89,7 @@ Bounds shapeBounds(const ImplicitShape& shape) {
     const glm::dvec3 sign((corner & 1) != 0 ? 1.0 : -1.0, (corner & 2) != 0 ? 1.0 : -1.0,
                           (corner & 4) != 0 ? 1.0 : -1.0);
     const glm::dvec3 point = transformPoint(shape.partFromShape, sign * half);
-    bounds.min = glm::min(bounds.min, point);
-    bounds.max = glm::max(bounds.max, point);
+    bounds.include(point);
   }
   return bounds;
 }

@@ -158,8 +158,7 @@ void dropUnused(TriangleSoup& soup, MeshDefects& defects) {
 Bounds boundsOf(const std::vector<glm::dvec3>& positions) {
   Bounds bounds;
   for (const glm::dvec3& p : positions) {
-    bounds.min = glm::min(bounds.min, p);
-    bounds.max = glm::max(bounds.max, p);
+    bounds.include(p);
   }
   return bounds;
 }

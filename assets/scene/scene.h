@@ -20,6 +20,7 @@
 
 #include "assets/base/ids.h"
 #include "assets/base/pose.h"
+#include "assets/scene/bounds.h"
 #include "assets/scene/control.h"
 #include "assets/scene/force_field.h"
 #include "assets/scene/surface.h"
@@ -27,12 +28,6 @@
 namespace tandem::assets {
 
 inline constexpr std::uint32_t kNone = 0xffffffffu;
-
-/// Axis-aligned box, m. Empty while min > max.
-struct Bounds {
-  glm::dvec3 min{1e300, 1e300, 1e300};
-  glm::dvec3 max{-1e300, -1e300, -1e300};
-};
 
 /// Appearance and contact properties of a surface.
 struct Material {

@@ -62,12 +62,13 @@ void addComponents(xml_node parent, const char* name, const std::vector<std::str
     list.append_child("Component").append_attribute("IfcGuid").set_value(guid.c_str());
 }
 
-void addComment(xml_node parent, const TopicComment& comment, const Topic& topic) {
+void addComment(xml_node parent, const TopicComment& comment, const Topic& topic, BcfVersion version) {
   xml_node node = parent.append_child("Comment");
   node.append_attribute("Guid").set_value(comment.guid.c_str());
   add(node, "Date", utcText(comment.made));
   addFilled(node, "Author", comment.author);
-  add(node, "Comment", comment.text);
+  // Version 2.1 requires a text, and takes a blank one; 3.0 takes none.
+  if (version == BcfVersion::v2_1 || !isBlank(comment.text)) add(node, "Comment", comment.text);
   if (topic.view) node.append_child("Viewpoint").append_attribute("Guid").set_value(topic.view->guid.c_str());
   if (comment.changed == comment.made) return;
   add(node, "ModifiedDate", utcText(comment.changed));
@@ -137,13 +138,13 @@ std::string bcfMarkupXml(const Topic& topic, BcfVersion version) {
   if (!isBlank(topic.assignee)) add(node, "AssignedTo", topic.assignee);
   if (!isBlank(topic.description)) add(node, "Description", topic.description);
   if (version == BcfVersion::v2_1) {
-    for (const TopicComment& comment : topic.comments) addComment(markup, comment, topic);
+    for (const TopicComment& comment : topic.comments) addComment(markup, comment, topic, version);
     addViewpoint(markup, "Viewpoints", topic);
     return xmlText(document);
   }
   if (!topic.comments.empty()) {
     xml_node comments = node.append_child("Comments");
-    for (const TopicComment& comment : topic.comments) addComment(comments, comment, topic);
+    for (const TopicComment& comment : topic.comments) addComment(comments, comment, topic, version);
   }
   if (topic.view) addViewpoint(node.append_child("Viewpoints"), "ViewPoint", topic);
   return xmlText(document);

@@ -48,8 +48,7 @@ assets::Bounds moved(const assets::Bounds& bounds, const Pose& pose) {
     const glm::dvec3 point = transformPoint(pose, {(corner & 1) != 0 ? bounds.max.x : bounds.min.x,
                                                    (corner & 2) != 0 ? bounds.max.y : bounds.min.y,
                                                    (corner & 4) != 0 ? bounds.max.z : bounds.min.z});
-    box.min = glm::min(box.min, point);
-    box.max = glm::max(box.max, point);
+    box.include(point);
   }
   return box;
 }
@@ -196,8 +195,7 @@ class TopicMaker {
       const glm::dvec3 place = transformPoint(poseOf(anchor.part), anchor.point);
       if (!topic.places.empty()) topic.view->lines.emplace_back(topic.places.back(), place);
       topic.places.push_back(place);
-      bounds.min = glm::min(bounds.min, place);
-      bounds.max = glm::max(bounds.max, place);
+      bounds.include(place);
     }
     if (isEmpty(bounds)) bounds = source_.scene.bounds;
     if (isEmpty(bounds)) bounds = {glm::dvec3(-1.0), glm::dvec3(1.0)};

@@ -17,8 +17,7 @@ assets::Bounds boxOf(const assets::Scene& scene, const assets::Part& part) {
   assets::Bounds box;
   for (const assets::ImplicitShape& shape : part.shapes) {
     const assets::Bounds one = assets::shapeBounds(shape);
-    box.min = glm::min(box.min, one.min);
-    box.max = glm::max(box.max, one.max);
+    box.include(one);
   }
   return box;
 }

@@ -385,8 +385,7 @@ DecimatedMesh Decimation::mesh(const assets::Mesh& exact) const {
     to.edgeFlags.push_back(flags);
   }
   for (const glm::dvec3& p : to.positions) {
-    to.bounds.min = glm::min(to.bounds.min, p);
-    to.bounds.max = glm::max(to.bounds.max, p);
+    to.bounds.include(p);
   }
   to.closed = exact.closed;
   return out;

@@ -235,8 +235,7 @@ std::vector<std::uint32_t> drawingOrder(const assets::Mesh& mesh) {
   const bool known = mesh.triangleMaterial.size() == mesh.triangles.size();
   assets::Bounds bounds;
   for (const glm::dvec3& p : mesh.positions) {
-    bounds.min = glm::min(bounds.min, p);
-    bounds.max = glm::max(bounds.max, p);
+    bounds.include(p);
   }
   std::vector<std::pair<std::uint64_t, std::uint32_t>> keyed(mesh.triangles.size());
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {

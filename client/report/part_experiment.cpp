@@ -67,8 +67,7 @@ void addParts(PartExperiment& e, assets::TriangleSoup held, assets::TriangleSoup
     }
     for (const glm::dvec3& p : e.scene.meshes[part.mesh].positions) {
       const glm::dvec3 q = transformPoint(part.worldFromPart, p);
-      e.scene.bounds.min = glm::min(e.scene.bounds.min, q);
-      e.scene.bounds.max = glm::max(e.scene.bounds.max, q);
+      e.scene.bounds.include(q);
     }
     e.scene.parts.push_back(part);
   }

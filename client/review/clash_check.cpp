@@ -69,8 +69,7 @@ std::vector<BoxedPart> boxedParts(const haptics::ContactScene& contact, const Po
     BoxedPart boxed{part, {}};
     for (const glm::dvec3& p : tree->mesh().positions) {
       const glm::dvec3 world = transformPoint(worldFromPart[part], p);
-      boxed.box.min = glm::min(boxed.box.min, world);
-      boxed.box.max = glm::max(boxed.box.max, world);
+      boxed.box.include(world);
     }
     parts.push_back(boxed);
   }

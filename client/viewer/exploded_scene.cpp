@@ -27,12 +27,6 @@ bool hasNoBox(const Bounds& box) { return !(box.min.x <= box.max.x); }
 glm::dvec3 middle(const Bounds& box) { return 0.5 * (box.min + box.max); }
 glm::dvec3 extentOf(const Bounds& box) { return box.max - box.min; }
 
-void enclose(Bounds& all, const Bounds& box) {
-  if (hasNoBox(box)) return;
-  all.min = glm::min(all.min, box.min);
-  all.max = glm::max(all.max, box.max);
-}
-
 Bounds shifted(const Bounds& box, const glm::dvec3& by) { return {box.min + by, box.max + by}; }
 
 /// A part, or a group that is already drawn apart.
@@ -89,7 +83,7 @@ std::vector<glm::dvec3> waysOut(const glm::dvec3& fromMiddle, const glm::dvec3& 
 /// their places from the middle outwards.
 void moveApart(std::vector<Member>& members) {
   Bounds all;
-  for (const Member& member : members) enclose(all, member.now);
+  for (const Member& member : members) all.include(member.now);
   const glm::dvec3 centre = middle(all), half = 0.5 * extentOf(all);
   std::vector<std::size_t> order(members.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -164,8 +158,8 @@ class Groups {
           if (!hasNoBox(member.now)) member = there[next++];
       }
       for (const Member& member : own) {
-        enclose(groups[group].now, member.now);
-        enclose(groups[group].apart, shifted(member.apart, member.way));
+        groups[group].now.include(member.now);
+        groups[group].apart.include(shifted(member.apart, member.way));
       }
     }
     for (std::size_t i = 0; i <= all; ++i) {

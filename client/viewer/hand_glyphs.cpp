@@ -195,8 +195,7 @@ void includePeople(const ViewModel& model, assets::Bounds& bounds) {
   const double reach = glm::length(bounds.max - bounds.min);
   const auto include = [&](const glm::dvec3& tip) {
     if (!(glm::length(tip - centre) < reach)) return;
-    bounds.min = glm::min(bounds.min, tip);
-    bounds.max = glm::max(bounds.max, tip);
+    bounds.include(tip);
   };
   if (model.hand.present && model.hand.valid) include(model.hand.worldFromProxy.position);
   for (const SiteView& site : model.sites)

@@ -37,11 +37,6 @@ Sphere sphereAround(const assets::Bounds& bounds) {
   return {0.5 * (bounds.min + bounds.max), 0.5 * glm::length(bounds.max - bounds.min)};
 }
 
-void include(assets::Bounds& bounds, const glm::dvec3& point) {
-  bounds.min = glm::min(bounds.min, point);
-  bounds.max = glm::max(bounds.max, point);
-}
-
 void append(RenderMesh& to, const RenderMesh& from) {
   const auto firstVertex = static_cast<std::uint32_t>(to.vertices.size());
   const auto firstIndex = static_cast<std::uint32_t>(to.indices.size());
@@ -109,7 +104,7 @@ SceneRenderer::SceneRenderer(const assets::Scene& scene, const Detail& detail, G
   for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
     DrawnMesh& mesh = meshes_[m];
     if (!levels_ || !levels_->has(m)) mesh.gpu = upload(makeRenderMesh(scene.meshes[m]));
-    for (const glm::dvec3& p : scene.meshes[m].positions) include(mesh.bounds, glm::dvec3(glm::vec3(p)));
+    for (const glm::dvec3& p : scene.meshes[m].positions) mesh.bounds.include(glm::dvec3(glm::vec3(p)));
     mesh.sphere = sphereAround(mesh.bounds);
     mesh.closed = scene.meshes[m].closed;
   }
@@ -137,7 +132,7 @@ void SceneRenderer::addShapes(const assets::Part& part, double extent) {
   meshOfPart_.back() = static_cast<std::uint32_t>(meshes_.size());
   DrawnMesh& mesh = meshes_.emplace_back();
   mesh.gpu = upload(merged);
-  for (const RenderVertex& vertex : merged.vertices) include(mesh.bounds, glm::dvec3(vertex.position));
+  for (const RenderVertex& vertex : merged.vertices) mesh.bounds.include(glm::dvec3(vertex.position));
   mesh.sphere = sphereAround(mesh.bounds);
   mesh.closed = std::none_of(part.shapes.begin(), part.shapes.end(), [](const auto& shape) {
     return shape.kind == assets::ImplicitShape::Kind::plane;
@@ -192,7 +187,7 @@ assets::Bounds SceneRenderer::bounds(std::span<const Pose> worldFromPart,
       const auto& b = mesh->bounds;
       const glm::dvec3 point((corner & 1) ? b.max.x : b.min.x, (corner & 2) ? b.max.y : b.min.y,
                              (corner & 4) ? b.max.z : b.min.z);
-      include(box, transformPoint(worldFromPart[part], point));
+      box.include(transformPoint(worldFromPart[part], point));
     }
   }
   return box;

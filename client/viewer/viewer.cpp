@@ -184,8 +184,7 @@ void SceneViewer::fit(const ViewModel& model) {
   assets::Bounds bounds = renderer_->bounds(model.worldFromPart, parts);
   if (everything) includePeople(model, bounds);
   for (const Pose& pose : everything ? posesAlong(model.wayOut.path, 1) : std::vector<Pose>{}) {
-    bounds.min = glm::min(bounds.min, pose.position);
-    bounds.max = glm::max(bounds.max, pose.position);
+    bounds.include(pose.position);
   }
   const Camera goal = fitFrom(camera_, bounds, size.x / std::max(size.y, 1.0));
   if (std::exchange(ui_.fitFlies, false))

@@ -18,11 +18,6 @@ constexpr std::size_t kThreadsPay = 16'384;  // triangles from which a second th
 constexpr std::size_t kSlabBlock = 4096;     // nodes
 constexpr int kMaxWorkers = 64;
 
-void growBy(assets::Bounds& box, const assets::Bounds& other) {
-  box.min = glm::min(box.min, other.min);
-  box.max = glm::max(box.max, other.max);
-}
-
 /// Writes the least and greatest lanes of corners into a child's box, `outwards` by one float.
 void setBox(const Vec4& low, const Vec4& high, bool outwards, TriangleBvh::Node& node, int k) {
   alignas(16) float least[4], negated[4];
@@ -45,10 +40,9 @@ assets::Bounds boundsOf(const assets::Mesh& mesh, std::size_t begin, std::size_t
   std::array<assets::Bounds, 2> own;
   for (std::size_t i = begin; i < end; ++i) {
     const glm::dvec3& p = mesh.positions[i];
-    own[i & 1].min = glm::min(own[i & 1].min, p);
-    own[i & 1].max = glm::max(own[i & 1].max, p);
+    own[i & 1].include(p);
   }
-  growBy(own[0], own[1]);
+  own[0].include(own[1]);
   return own[0];
 }
 
@@ -74,7 +68,7 @@ MeshExtent extentOf(const assets::Mesh& mesh, int workers) {
     shares[static_cast<std::size_t>(worker)] = boundsOf(mesh, begin, end);
   });
   assets::Bounds bounds;
-  for (const assets::Bounds& share : shares) growBy(bounds, share);
+  for (const assets::Bounds& share : shares) bounds.include(share);
   MeshExtent extent;
   extent.centre = 0.5 * (bounds.min + bounds.max);
   setBounds(bounds, extent);

@@ -16,8 +16,7 @@ inline assets::Bounds boundsAt(const assets::Bounds& own, const Pose& pose) {
     const glm::dvec3 p =
         transformPoint(pose, {(i & 1) != 0 ? own.max.x : own.min.x, (i & 2) != 0 ? own.max.y : own.min.y,
                               (i & 4) != 0 ? own.max.z : own.min.z});
-    box.min = glm::min(box.min, p);
-    box.max = glm::max(box.max, p);
+    box.include(p);
   }
   return box;
 }

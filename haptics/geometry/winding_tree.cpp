@@ -57,8 +57,7 @@ void WindingTree::split(std::uint32_t node, std::vector<glm::dvec3>& middles) {
   if (count <= kMaxLeaf) return;
   assets::Bounds box;
   for (std::uint32_t i = first; i < first + count; ++i) {
-    box.min = glm::min(box.min, middles[order_[i]]);
-    box.max = glm::max(box.max, middles[order_[i]]);
+    box.include(middles[order_[i]]);
   }
   splitAtMedian(order_, first, first + count, box.max - box.min, [&](std::uint32_t i) { return middles[i]; });
   const auto children = static_cast<std::uint32_t>(nodes_.size());
@@ -81,8 +80,7 @@ void WindingTree::measure(Node& node) const {
     node.centre += size / 3.0 * (t.a + t.b + t.c);
     weight += size;
     for (const glm::dvec3& corner : {t.a, t.b, t.c}) {
-      box.min = glm::min(box.min, corner);
-      box.max = glm::max(box.max, corner);
+      box.include(corner);
     }
   }
   node.centre = weight > 0.0 ? node.centre / weight : 0.5 * (box.min + box.max);

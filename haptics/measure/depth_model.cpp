@@ -286,8 +286,7 @@ DepthModel::DepthModel(const assets::Mesh& mesh) {
   DepthModelBuilder(source, *this).run();
   surface_.triangleMaterial.assign(surface_.triangles.size(), 0);
   for (const glm::dvec3& p : surface_.positions) {
-    surface_.bounds.min = glm::min(surface_.bounds.min, p);
-    surface_.bounds.max = glm::max(surface_.bounds.max, p);
+    surface_.bounds.include(p);
   }
   ASSERT(facetOf_.size() == surface_.triangles.size() && facets_.size() == normals_.size() + 1);
   ASSERT(facets_.back() == border_.size());

@@ -67,8 +67,7 @@ void RidgeDepth::makeClusters() {
     assets::Bounds box;
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
       for (const std::uint32_t c : {ridges[order_[i]].from, ridges[order_[i]].to}) {
-        box.min = glm::min(box.min, corners[c]);
-        box.max = glm::max(box.max, corners[c]);
+        box.include(corners[c]);
       }
     }
     const glm::dvec3 extent = box.max - box.min;

@@ -146,8 +146,7 @@ assets::Mesh meshOfShapes(std::span<const assets::ImplicitShape> shapes, double 
     }
   }
   for (const glm::dvec3& p : mesh.positions) {
-    mesh.bounds.min = glm::min(mesh.bounds.min, p);
-    mesh.bounds.max = glm::max(mesh.bounds.max, p);
+    mesh.bounds.include(p);
   }
   return mesh;
 }

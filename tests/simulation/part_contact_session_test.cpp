@@ -19,8 +19,7 @@ void boundScene(assets::Scene& scene) {
     const assets::Bounds box = scene.meshes[part.mesh].bounds;
     for (const glm::dvec3& corner : {box.min, box.max}) {
       const glm::dvec3 at = transformPoint(part.worldFromPart, corner);
-      scene.bounds.min = glm::min(scene.bounds.min, at);
-      scene.bounds.max = glm::max(scene.bounds.max, at);
+      scene.bounds.include(at);
     }
   }
 }

@@ -65,8 +65,7 @@ assets::Scene sceneOfParts(const std::vector<CasePart>& parts) {
     }
     for (const glm::dvec3& p : given.mesh.positions) {
       const glm::dvec3 q = transformPoint(given.worldFromPart, p);
-      scene.bounds.min = glm::min(scene.bounds.min, q);
-      scene.bounds.max = glm::max(scene.bounds.max, q);
+      scene.bounds.include(q);
     }
     scene.parts.push_back(part);
   }

@@ -266,8 +266,7 @@ assets::Mesh rawMeshOf(const assets::TriangleSoup& soup) {
   mesh.triangles = soup.triangles;
   mesh.triangleMaterial = soup.triangleMaterial;
   for (const glm::dvec3& p : mesh.positions) {
-    mesh.bounds.min = glm::min(mesh.bounds.min, p);
-    mesh.bounds.max = glm::max(mesh.bounds.max, p);
+    mesh.bounds.include(p);
   }
   return mesh;
 }

@@ -69,6 +69,15 @@ TEST(BcfWriter, WhatTheSchemasRequireIsThereEvenOfAnEmptyTopic) {
   }
 }
 
+TEST(BcfWriter, ABlankCommentStandsWhereTheSchemaTakesOne) {
+  Topic topic = note();
+  topic.comments[1].text = " ";
+  EXPECT_EQ(Xml(bcfMarkupXml(topic, BcfVersion::v2_1)).children("/Markup/Comment[2]"),
+            (Names{"Date", "Author", "Comment", "Viewpoint"}));
+  EXPECT_EQ(Xml(bcfMarkupXml(topic, BcfVersion::v3_0)).children("/Markup/Topic/Comments/Comment[2]"),
+            (Names{"Date", "Author", "Viewpoint"}));
+}
+
 TEST(BcfWriter, AViewpointHasItsOrderAndZUp) {
   TopicView view = *TopicSample().topics()[2].view;
   view.worldFromCamera = {{1.0, 2.0, 3.0}, {1.0, 0.0, 0.0, 0.0}};

@@ -203,8 +203,7 @@ assets::Mesh spikyStar(double radius, std::uint32_t seed) {
   for (glm::dvec3& p : mesh.positions) p *= height(random);
   mesh.bounds = {};
   for (const glm::dvec3& p : mesh.positions) {
-    mesh.bounds.min = glm::min(mesh.bounds.min, p);
-    mesh.bounds.max = glm::max(mesh.bounds.max, p);
+    mesh.bounds.include(p);
   }
   return mesh;
 }

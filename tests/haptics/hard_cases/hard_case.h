@@ -32,8 +32,7 @@ inline assets::Mesh soupMesh(const std::vector<glm::dvec3>& positions,
   mesh.triangles = triangles;
   mesh.triangleMaterial.assign(triangles.size(), 0);
   for (const glm::dvec3& p : positions) {
-    mesh.bounds.min = glm::min(mesh.bounds.min, p);
-    mesh.bounds.max = glm::max(mesh.bounds.max, p);
+    mesh.bounds.include(p);
   }
   return mesh;
 }
