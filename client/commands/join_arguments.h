@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "client/commands/command.h"
+#include "client/marks/section_set.h"
 #include "client/session/connection_options.h"
-#include "client/viewer/section_set.h"
 
 namespace tandem::client {
 

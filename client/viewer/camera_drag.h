@@ -6,7 +6,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "client/viewer/camera.h"
+#include "client/picture/camera.h"
 #include "client/viewer/surface.h"
 
 namespace tandem::client {

@@ -5,9 +5,9 @@
 #include <ctime>
 #include <utility>
 
+#include "client/marks/verdict_list.h"
 #include "client/session/document_words.h"
 #include "client/viewer/panels.h"
-#include "client/viewer/verdict_list.h"
 
 namespace tandem::client {
 namespace {

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "assets/base/utc_time.h"
+#include "client/marks/note_list.h"
 #include "client/session/document_words.h"
-#include "client/viewer/note_list.h"
 #include "client/viewer/panels.h"
 
 namespace tandem::client {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "client/viewer/gl_objects.h"
+#include "client/picture/gl_objects.h"
 #include "client/viewer/surface.h"
 
 namespace tandem::client {

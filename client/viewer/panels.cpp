@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "client/viewer/colours.h"
+#include "client/picture/colours.h"
 
 namespace tandem::client {
 namespace {

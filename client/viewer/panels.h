@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "client/viewer/hand_glyphs.h"
+#include "client/marks/hand_glyphs.h"
 #include "client/viewer/theme.h"
 #include "client/viewer/ui_state.h"
 

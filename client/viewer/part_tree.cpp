@@ -4,8 +4,8 @@
 #include <cctype>
 
 #include "assets/base/assert.h"
+#include "client/picture/colours.h"
 #include "client/session/holding_words.h"
-#include "client/viewer/colours.h"
 #include "client/viewer/panels.h"
 
 namespace tandem::client {

@@ -7,9 +7,9 @@
 #include <string>
 #include <utility>
 
+#include "client/picture/colours.h"
 #include "client/session/holding_words.h"
 #include "client/session/said_parts.h"
-#include "client/viewer/colours.h"
 #include "client/viewer/panels.h"
 
 namespace tandem::client {

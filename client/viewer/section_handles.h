@@ -5,9 +5,9 @@
 
 #include <optional>
 
-#include "client/viewer/camera.h"
-#include "client/viewer/glyphs.h"
-#include "client/viewer/section_set.h"
+#include "client/marks/section_set.h"
+#include "client/picture/camera.h"
+#include "client/picture/glyphs.h"
 #include "client/viewer/surface.h"
 
 namespace tandem::client {

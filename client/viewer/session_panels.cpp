@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "client/picture/colours.h"
 #include "client/session/doubt_words.h"
 #include "client/session/holding_words.h"
-#include "client/viewer/colours.h"
 #include "client/viewer/panels.h"
 #include "client/viewer/strip_chart.h"
 

@@ -7,10 +7,10 @@
 #include <glm/geometric.hpp>
 
 #include "assets/base/assert.h"
-#include "client/viewer/glyphs.h"
-#include "client/viewer/png.h"
-#include "client/viewer/scene_picture.h"
-#include "client/viewer/scene_renderer.h"
+#include "client/picture/glyphs.h"
+#include "client/picture/png.h"
+#include "client/picture/scene_picture.h"
+#include "client/picture/scene_renderer.h"
 #include "client/viewer/surface.h"
 #include "client/viewer/theme.h"
 

@@ -10,8 +10,8 @@
 
 #include <optional>
 
-#include "client/viewer/camera.h"
-#include "client/viewer/scene_renderer.h"
+#include "client/picture/camera.h"
+#include "client/picture/scene_renderer.h"
 #include "client/viewer/surface.h"
 
 namespace tandem::client {

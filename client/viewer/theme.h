@@ -6,7 +6,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "client/viewer/scene_renderer.h"
+#include "client/picture/scene_renderer.h"
 
 namespace tandem::client {
 

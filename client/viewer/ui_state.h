@@ -6,13 +6,13 @@
 #include <optional>
 #include <vector>
 
-#include "client/viewer/clash_list.h"
-#include "client/viewer/measure_list.h"
-#include "client/viewer/note_list.h"
-#include "client/viewer/part_display.h"
-#include "client/viewer/section_set.h"
-#include "client/viewer/shared_view.h"
-#include "client/viewer/verdict_list.h"
+#include "client/marks/clash_list.h"
+#include "client/marks/measure_list.h"
+#include "client/marks/note_list.h"
+#include "client/marks/part_display.h"
+#include "client/marks/section_set.h"
+#include "client/marks/shared_view.h"
+#include "client/marks/verdict_list.h"
 
 namespace tandem::client {
 

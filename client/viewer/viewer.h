@@ -6,8 +6,8 @@
 #include <string>
 
 #include "assets/base/result.h"
+#include "client/marks/section_set.h"
 #include "client/session/view_model.h"
-#include "client/viewer/section_set.h"
 
 namespace tandem::client {
 

@@ -16,7 +16,7 @@
 #include "assets/base/parallel.h"
 #include "assets/generate/large_assembly.h"
 #include "client/levels/level_file.h"
-#include "client/viewer/level_choice.h"
+#include "client/picture/level_choice.h"
 #include "client/viewer/viewer.h"
 #include "tests/bench/bench_report.h"
 #include "tests/support/gltf_builder.h"

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "assets/gltf/load_gltf.h"
+#include "client/marks/section_set.h"
 #include "client/session/view_model.h"
-#include "client/viewer/section_set.h"
 #include "client/viewer/still_pictures.h"
 #include "tests/client/viewer/picture.h"
 

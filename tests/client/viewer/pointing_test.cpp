@@ -8,7 +8,7 @@
 #include <random>
 
 #include "assets/gltf/load_gltf.h"
-#include "client/viewer/camera.h"
+#include "client/picture/camera.h"
 #include "client/viewer/viewer.h"
 
 namespace tandem::client {

@@ -8,7 +8,7 @@
 
 #include <filesystem>
 
-#include "client/viewer/camera.h"
+#include "client/picture/camera.h"
 #include "tests/client/viewer/picture.h"
 
 namespace tandem::client {
