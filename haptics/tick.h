@@ -79,6 +79,10 @@ class TickState {
   /// due.
   std::size_t drainPackets(std::span<AddressedPacket> packets);
 
+  /// Hands out the links whose peers have come to be doubted since the last call: their packets are such
+  /// as no hand makes. Returns their count; those that do not fit stay due.
+  std::size_t drainDoubts(std::span<LinkId> doubts);
+
   /// The ticks have stood still for so long that the device's own watchdog let go of the hand. If the next
   /// reading that counts shows it elsewhere, it has not gone there in contact: the proxy is put onto it, and
   /// it holds its part where both now are. Concerns the first hand. By the thread that ticks, between ticks.

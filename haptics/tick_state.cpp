@@ -77,6 +77,10 @@ std::size_t TickState::drainPackets(std::span<AddressedPacket> packets) {
   return data_->held.links().drainPackets(packets);
 }
 
+std::size_t TickState::drainDoubts(std::span<LinkId> doubts) {
+  return data_->held.links().drainDoubts(doubts);
+}
+
 void TickState::noteStall() { data_->hands[0].noteStall(); }
 
 void TickState::resetFault() { data_->fault = FaultLatch{}; }

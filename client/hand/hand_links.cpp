@@ -20,6 +20,8 @@ void HandLinks::update(const haptics::TickOutput& tick, haptics::TickState& stat
   }
   const std::size_t count = state.drainPackets(packets_);
   for (std::size_t i = 0; i < count; ++i) static_cast<void>(exchange.linksOut.push(packets_[i]));
+  const std::size_t doubted = state.drainDoubts(doubts_);
+  for (std::size_t i = 0; i < doubted; ++i) static_cast<void>(exchange.doubts.push(doubts_[i].peer));
 }
 
 }  // namespace tandem::client

@@ -28,12 +28,13 @@ class HandLinks {
 
   /// Before a tick: hands the packets of peers to their links.
   void receive(Exchange& exchange, haptics::TickState& state);
-  /// After it: begins the ordered links whose part it simulates, and sends the packets that are due. A packet
-  /// that finds no room in the ring is lost, as on the network.
+  /// After it: begins the ordered links whose part it simulates, sends the packets that are due, and tells
+  /// whose packets are not believed. What finds no room in its ring is lost, as on the network.
   void update(const haptics::TickOutput& tick, haptics::TickState& state, Exchange& exchange);
 
  private:
   std::array<haptics::AddressedPacket, haptics::ReplicaLinks::kMaxLinks> packets_;
+  std::array<haptics::LinkId, haptics::ReplicaLinks::kMaxLinks> doubts_;
   std::vector<int> simulators_;  // by part
 };
 

@@ -24,7 +24,7 @@ std::string doubtsInWords(const ViewModel& model, const SiteView& site) {
   if (names.empty()) return "";
   constexpr std::size_t kMostNames = 3;
   const bool plural = names.size() > 1 || self;
-  return "does not move as a hand does, " + std::string(plural ? "say " : "says ") +
+  return "does not move or push as a hand does, " + std::string(plural ? "say " : "says ") +
          (names.size() > kMostNames ? std::to_string(names.size()) + " sites" : listed(names)) + " (" +
          std::to_string(names.size()) + " of " + std::to_string(others) +
          (others == 1 ? " other site)" : " other sites)");

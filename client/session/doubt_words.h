@@ -8,7 +8,7 @@
 
 namespace tandem::client {
 
-/// "does not move as a hand does, say Ada and you (2 of 3 other sites)"; empty if nobody says so.
+/// "does not move or push as a hand does, say Ada and you (2 of 3 other sites)"; empty if nobody says so.
 std::string doubtsInWords(const ViewModel& model, const SiteView& site);
 
 }  // namespace tandem::client

@@ -26,6 +26,11 @@ void Doubts::note(SiteId site, Micros now) {
   doubted.oddities[doubted.count++ % enough] = now;
   // The next place in the ring holds the oldest of so many.
   if (doubted.count < enough || now - doubted.oddities[doubted.count % enough] > kWindow) return;
+  accuse(site, now);
+}
+
+void Doubts::accuse(SiteId site, Micros now) {
+  Doubted& doubted = doubted_[site];
   if (now < doubted.nextAt) return;
   doubted.nextAt = now + kSayPeriod;
   sender_.send(Doubt{kNoSite, site, true});

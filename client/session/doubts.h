@@ -40,10 +40,12 @@ class Doubts {
 
   /// A state that ownership has accepted from its owner, held at session time `time`; `now` is local time.
   void observe(SiteId owner, const sync::PartState& state, sync::Micros time, sync::Micros now);
-  /// Something that no honest site does was found of this one.
-  void note(SiteId site, sync::Micros now);
+  /// The hand does not believe the link packets of a site, which needs no more oddities.
+  void accuse(SiteId site, sync::Micros now);
 
  private:
+  void note(SiteId site, sync::Micros now);
+
   struct Doubted {
     std::array<sync::Micros, kMostOddities> oddities{};  // local times, a ring
     std::size_t count = 0;

@@ -121,6 +121,7 @@ inline constexpr std::size_t kIntentRing = 64;
 inline constexpr std::size_t kShownRing = 16384;
 inline constexpr std::size_t kForceRing = 4096;
 inline constexpr std::size_t kLinkRing = 256;
+inline constexpr std::size_t kDoubtRing = 64;
 
 struct Exchange {
   haptics::SpscRing<NetworkEvent, kEventRing> events;  // network -> hand
@@ -128,7 +129,8 @@ struct Exchange {
   haptics::SpscRing<HandIntent, kIntentRing> intents;  // hand -> network
   haptics::TripleBuffer<HandOutput> output;            // hand -> network
   haptics::SpscRing<haptics::AddressedPacket, kLinkRing> linksIn,
-      linksOut;  // packets of coordination links: network -> hand, and back
+      linksOut;                                  // packets of coordination links: network -> hand, and back
+  haptics::SpscRing<SiteId, kDoubtRing> doubts;  // hand -> network: peers whose link packets lie
   haptics::TripleBuffer<HandSettingsInput> settings;  // main -> hand
   haptics::TripleBuffer<HandOutput> view;             // hand -> main
   haptics::SpscRing<ShownPose, kShownRing> shown;     // hand -> main: poses that changed

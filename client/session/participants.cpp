@@ -37,7 +37,8 @@ void Participants::handle(const Doubt& message) {
   if (!message.holds) return;
   about->doubtedBy.push_back(message.site);
   const std::string who = message.site == self_ ? " say you" : " says " + nameOf(message.site);
-  if (first) notice(Notice::Level::warning, about->info.name + " does not move as a hand does," + who);
+  if (first)
+    notice(Notice::Level::warning, about->info.name + " does not move or push as a hand does," + who);
 }
 
 void Participants::connectionLost() {

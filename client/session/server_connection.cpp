@@ -74,6 +74,7 @@ void ServerConnection::stepInSession() {
   document_.step(clock_.now());
   presentations_.step(clock_.now());
   if (reports_.due(clock_.now())) sender_.send(reports_.next(clock_.now(), pings_.roundTrip_ms()));
+  inScene_->receiving.drainDoubts();
   inScene_->ownership.exchangeLinks();
   if (inScene_->ownership.linkPacketIsNear()) return;
   if (pings_.due())

@@ -87,6 +87,11 @@ void StateReceiving::acknowledge() {
     sender_.sendState(*ack, ownership_.frame());
 }
 
+void StateReceiving::drainDoubts() {
+  SiteId site = kNoSite;
+  while (exchange_.doubts.pop(site)) doubts_.accuse(site, clock_.now());
+}
+
 void StateReceiving::publishTimeBase() {
   if (clock_.known()) playOut_ = delay_.delay(clock_.time());
   ASSERT(playOut_ >= 0);

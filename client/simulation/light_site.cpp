@@ -31,6 +31,8 @@ void ExchangePool::giveBack(std::unique_ptr<Exchange> exchange) {
   while (exchange->events.pop(event)) continue;
   HandIntent intent;
   while (exchange->intents.pop(intent)) continue;
+  SiteId site;
+  while (exchange->doubts.pop(site)) continue;
   haptics::AddressedPacket packet;
   while (exchange->linksIn.pop(packet) || exchange->linksOut.pop(packet)) continue;
   exchange->timeBase.write({});

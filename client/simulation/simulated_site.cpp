@@ -105,6 +105,7 @@ void SimulatedSite::crash() {
 void SimulatedSite::step(Micros now) {
   tickHand(now);
   if (paused(now) || !connection_) return;
+  if (context_.mistake == Mistake::linksLie && index_ == 1) lieInLinks();
   connection_->step(local(now));
   if (connection_->stage() == ServerConnection::Stage::needScene) connection_->skipTransfer();
   if (connection_->stage() == ServerConnection::Stage::haveScene)
@@ -142,6 +143,19 @@ void SimulatedSite::pushAlong(Wrench& toHand) const {
   constexpr double kNegativeDamping = 0.5;  // N·s/m
   toHand.force = haptics::limited(toHand.force + kNegativeDamping * device_.hand().deviceVelocity(),
                                   description_.device.forceMax);
+}
+
+void SimulatedSite::lieInLinks() {
+  constexpr double kWave = 4.0;        // sqrt(W): about 30 N at the impedance of a stiff link
+  constexpr double kForPacket = 4e-3;  // s
+  std::vector<haptics::AddressedPacket> packets;
+  for (haptics::AddressedPacket packet; exchange_->linksOut.pop(packet);) packets.push_back(packet);
+  for (haptics::AddressedPacket& packet : packets) {
+    lies_ += 1.0;
+    packet.packet.wave.along.x += kForPacket * kWave * lies_;
+    packet.packet.energy += kForPacket * kWave * kWave * lies_;
+    static_cast<void>(exchange_->linksOut.push(packet));
+  }
 }
 
 HandSample SimulatedSite::measure(const Wrench& toHand) {

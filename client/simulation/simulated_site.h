@@ -83,6 +83,7 @@ class SimulatedSite final : public SimulatedClient {
   HandSettingsInput settings() const;
   void tickHand(sync::Micros now);
   void pushAlong(Wrench& toHand) const;
+  void lieInLinks();
   HandSample measure(const Wrench& toHand);
   void noteContact(PartId part, HandSample& sample) const;
   void addSources(const haptics::TickOutput& tick);
@@ -103,6 +104,7 @@ class SimulatedSite final : public SimulatedClient {
   std::vector<Pose> lastPoses_;       // of every part, as of the last tick here
   std::vector<Pose> worldFromDrawn_;  // of every part
   std::uint64_t denials_ = 0;
+  double lies_ = 0.0;  // link packets that lied
   // By clients and connections of this site that are gone.
   std::uint64_t packetsBefore_ = 0, bytesBefore_ = 0, droppedBefore_ = 0;
   sync::Traffic sentBefore_;

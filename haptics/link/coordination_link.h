@@ -113,6 +113,8 @@ class CoordinationLink {
   bool fresh() const { return starvedFor_ == 0.0; }
   /// A hand here holds the replica: what the peer may do to it is limited (link_trust.h).
   void setHeld(bool held) { trust_.setHeld(held); }
+  /// Whether the peer has come to be doubted since the last call.
+  bool drainDoubt() { return trust_.drainDoubt(); }
   const LinkAccount& account() const { return account_; }
 
  private:

@@ -36,6 +36,7 @@ void LinkTrust::doubt() {
   if (doubts()) return;
   doubtFor_ = std::min(kLongest, std::ldexp(kDoubt, std::min(times_, 8)));
   ++times_;
+  isNew_ = true;
   ahead_ = contradictions_ = 0.0;
 }
 

@@ -7,9 +7,12 @@
 //    of velocity does to it: a peer who goes along with this replica cancels that change, and a peer who
 //    leads it causes it. Where the replica moves, which no lie makes it do soon, it may change faster.
 // 2. A peer whose waves run far ahead of what is let in, or often contradict themselves, is not believed: the
-//    end acts as if the peer were silent. After kDoubt it is heard again, then after twice as long each time.
+//    end acts as if the peer were silent, and the others are told who it is. After kDoubt it is heard again,
+//    then after twice as long each time.
 // 3. Nothing here makes energy: what counts of a wave is paid for as any wave (CoordinationLink::pay).
 // 4. Nothing here allocates. The thread that ticks uses it.
+
+#include <utility>
 
 #include "haptics/base/six_axes.h"
 
@@ -39,6 +42,8 @@ class LinkTrust {
 
   /// Whether the peer is not believed now.
   bool doubts() const { return doubtFor_ > 0.0; }
+  /// Whether it has come to that since the last call.
+  bool drainDoubt() { return std::exchange(isNew_, false); }
 
  private:
   static constexpr double kForgetting = 0.3;  // s
@@ -58,6 +63,7 @@ class LinkTrust {
   double contradictions_ = 0.0;  // lately
   double doubtFor_ = 0.0;        // s
   int times_ = 0;
+  bool isNew_ = false;
 };
 
 }  // namespace tandem::haptics

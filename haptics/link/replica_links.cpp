@@ -131,6 +131,16 @@ std::size_t ReplicaLinks::drainPackets(std::span<AddressedPacket> packets) {
   return count;
 }
 
+std::size_t ReplicaLinks::drainDoubts(std::span<LinkId> doubts) {
+  std::size_t count = 0;
+  if (!any()) return count;
+  for (std::optional<LinkEnd>& end : ends_) {
+    if (count == doubts.size()) break;
+    if (end && end->link.drainDoubt()) doubts[count++] = end->terms.id;
+  }
+  return count;
+}
+
 /// A site that is too far away for a link simulates the whole part; a hub shares the part with the sites that
 /// are near enough.
 assets::MassProperties ReplicaLinks::shareOf(LinkedPart& linked) {

@@ -60,6 +60,9 @@ class ReplicaLinks {
   /// fit stay due.
   std::size_t drainPackets(std::span<AddressedPacket> packets);
 
+  /// Hands out the links whose peers have come to be doubted since the last call, and returns their count.
+  std::size_t drainDoubts(std::span<LinkId> doubts);
+
   bool any() const { return !parts_.empty(); }
   bool has(PartId part) const { return any() && find(part) != nullptr; }
   /// Whether there is a link of the part, or an order for one.

@@ -176,6 +176,14 @@ TEST(LyingSite, IsNamedWhereItsStatesComeSeldomAndLate) {
   EXPECT_EQ(rig.told(), rig.watchers.size());
 }
 
+TEST(LyingSite, WhoseLinkPacketsTheHandDoesNotBelieveIsNamedToAll) {
+  Watched rig;
+  for (auto& exchange : rig.exchanges) ASSERT_TRUE(exchange->doubts.push(rig.owner->last<Welcome>()->site));
+  rig.run(300 * kMillisecond);
+  EXPECT_EQ(rig.told(), rig.watchers.size());
+  EXPECT_EQ(rig.doubts, 3);
+}
+
 NetworkConditions drawnNetwork(std::mt19937& random) {
   const auto in = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);

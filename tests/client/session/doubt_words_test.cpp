@@ -35,13 +35,14 @@ TEST(DoubtWords, SayWhoSaysItAndHowManyCould) {
   People people;
   EXPECT_EQ(people.wordsAbout(3), "");
   people.participants.handle(Doubt{2, 3, true});
-  EXPECT_EQ(people.wordsAbout(3), "does not move as a hand does, says Ada (1 of 3 other sites)");
+  EXPECT_EQ(people.wordsAbout(3), "does not move or push as a hand does, says Ada (1 of 3 other sites)");
   people.participants.handle(Doubt{1, 3, true});
   people.participants.handle(Doubt{1, 3, true});
-  EXPECT_EQ(people.wordsAbout(3), "does not move as a hand does, say Ada and you (2 of 3 other sites)");
+  EXPECT_EQ(people.wordsAbout(3),
+            "does not move or push as a hand does, say Ada and you (2 of 3 other sites)");
   EXPECT_EQ(people.wordsAbout(2), "");
   people.participants.handle(Doubt{2, 3, false});
-  EXPECT_EQ(people.wordsAbout(3), "does not move as a hand does, say you (1 of 3 other sites)");
+  EXPECT_EQ(people.wordsAbout(3), "does not move or push as a hand does, say you (1 of 3 other sites)");
 }
 
 TEST(DoubtWords, OneNoticeIsGivenForTheFirstWhoSaysIt) {
@@ -50,7 +51,7 @@ TEST(DoubtWords, OneNoticeIsGivenForTheFirstWhoSaysIt) {
   people.participants.handle(Doubt{4, 3, true});
   const std::vector<Notice> notices = people.participants.drainNotices();
   ASSERT_EQ(notices.size(), 1u);
-  EXPECT_EQ(notices[0].text, "Ben does not move as a hand does, says Ada");
+  EXPECT_EQ(notices[0].text, "Ben does not move or push as a hand does, says Ada");
 }
 
 TEST(DoubtWords, WhoIsUnknownOrHasLeftSaysNothing) {

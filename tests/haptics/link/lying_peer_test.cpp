@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <random>
@@ -159,6 +160,7 @@ struct Felt {
   double turn = 0.0;                // N·m in 20 ms
   double work = 0.0;                // J, most that the force gave the hand since the lie began
   double fade = 0.0;                // of the link, at the end
+  bool named = false;               // the tick says that the peer is not believed
 
   void include(const Felt& other) {
     step = std::max(step, other.step), beyond = std::max(beyond, other.beyond);
@@ -214,6 +216,8 @@ Felt feltOf(const Case& c, std::vector<glm::dvec3>* forces = nullptr) {
                   glm::length(turns.back() - turns.end()[-1 - kWindow]), hand.arm.given() - given});
   }
   felt.fade = sites.site(0).part().links.fade;
+  std::array<haptics::LinkId, haptics::ReplicaLinks::kMaxLinks> doubts;
+  felt.named = sites.site(0).state.drainDoubts(doubts) > 0;
   return felt;
 }
 
@@ -258,7 +262,9 @@ TEST(LyingPeer, KicksNoHandThatHoldsAPartWithIt) {
 TEST(HonestPeer, IsFeltNearlyAsIfItWereBelieved) {
   for (const Doing doing : kDoings) {
     std::vector<glm::dvec3> limited, believed;
-    EXPECT_EQ(feltOf({Lie::none, doing, 0.050, true}, &limited).fade, 1.0);
+    const Felt felt = feltOf({Lie::none, doing, 0.050, true}, &limited);
+    EXPECT_EQ(felt.fade, 1.0);
+    EXPECT_FALSE(felt.named);
     feltOf({Lie::none, doing, 0.050, false}, &believed);
     double most = 0.0;
     for (std::size_t i = 0; i < limited.size(); ++i)
@@ -268,9 +274,13 @@ TEST(HonestPeer, IsFeltNearlyAsIfItWereBelieved) {
   }
 }
 
-TEST(LyingPeer, IsAsIfSilentWhereItPushesAsNoHandDoes) {
-  EXPECT_EQ(feltOf({Lie::push, Doing::rests, 0.050, true}).fade, 0.0);
-  EXPECT_EQ(feltOf({Lie::times, Doing::presses, 0.050, true}).fade, 0.0);
+TEST(LyingPeer, IsNamedAndAsIfSilentWhereItPushesAsNoHandDoes) {
+  const Felt pushed = feltOf({Lie::push, Doing::rests, 0.050, true});
+  EXPECT_EQ(pushed.fade, 0.0);
+  EXPECT_TRUE(pushed.named);
+  const Felt mistimed = feltOf({Lie::times, Doing::presses, 0.050, true});
+  EXPECT_EQ(mistimed.fade, 0.0);
+  EXPECT_TRUE(mistimed.named);
 }
 
 TEST(LyingPeer, KicksAHandThatBelievesIt) {
