@@ -239,6 +239,7 @@ void HandLoop::onLink(const NetworkEvent& order, sync::Micros sessionNow) {
   const PartId part = order.link.id.part;
   haptics::LinkTerms terms = order.link;
   terms.firstFadeTime = kFirstFadeTime;
+  if (settings_.believesPeers) terms.parameters.peerSlew = 0.0;
   if (!order.ownedByPeer) return state_.orderLink(terms);
   const SimulatedHere* mine = parts_.find(part);
   const bool carried =

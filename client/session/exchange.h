@@ -104,7 +104,8 @@ struct HandSettingsInput {
   ControlWish control;
   std::array<haptics::Section, haptics::kMaxSections> sections;  // what they cut away is not felt
   std::size_t sectionCount = 0;
-  bool lifted = false;  // parts are shown elsewhere than they are: no hand feels or takes one
+  bool believesPeers = false;  // what peers say in link packets is not limited: to check that tests notice
+  bool lifted = false;         // parts are shown elsewhere than they are: no hand feels or takes one
 };
 
 /// One part's pose for the window and for traces.

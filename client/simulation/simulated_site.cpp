@@ -52,6 +52,7 @@ HandSettingsInput SimulatedSite::settings() const {
   constexpr double kUnlimited = 1e9;  // N
   parameters.forceLimit =
       context_.mistake == Mistake::limitsUnknown ? kUnlimited : description_.device.forceMax;
+  settings.believesPeers = context_.mistake == Mistake::limitsUnknown;
   parameters.gravity = context_.scene.gravity;
   if (description_.stiffness > 0.0) {
     parameters.stiffness = parameters.graspStiffness = description_.stiffness;

@@ -63,7 +63,7 @@ enum class Mistake : std::uint8_t {
   regrantedEarly,    // the server frees a part after a tenth of its owner's lease
   negativeDamping,   // every device pushes its hand along, with 0.5 N·s/m: a source of energy
   doubtsAtOnce,      // sites doubt at a two hundredth of what is odd
-  limitsUnknown,     // ticks do not know what their device can give
+  limitsUnknown,     // ticks do not know what their device can give, nor limit what peers do to it
   linksLie,          // the link packets of the second site say that it pushes with 30 N
 };
 

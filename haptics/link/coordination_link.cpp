@@ -13,7 +13,6 @@ constexpr double kOutage = PlayOutDelay::kOutage;
 constexpr double kCatchUpTime = 0.05;  // s
 constexpr double kDecay = 4.0;         // N/s
 constexpr double kCalmDecay = 1.5;     // N/s, where an end has been switched off: the hand has time to adapt
-constexpr double kDoubtDecay = 6.0;    // N/s, where the peer is not believed any more
 constexpr double kMaxDecay = 100.0;    // N/s
 constexpr double kJump = 0.1;          // change of the counted share of the wave that counts as a jump
 constexpr double kGapIgnored =
@@ -209,7 +208,7 @@ SixAxes CoordinationLink::closeGap(const PlayedWave& peer, const Pose& pose, con
 // at the rate r while it delivers the power P costs F P / 2r.
 void CoordinationLink::decayExcess(const SixAxes& v) {
   const bool switchedOff = !on_ || (!playOut_.empty() && !playOut_.newest().on);
-  double rate = trust_.doubts() ? kDoubtDecay : switchedOff ? kCalmDecay : kDecay;
+  double rate = switchedOff && !trust_.doubts() ? kCalmDecay : kDecay;
   const double power = dot(excess_, v);
   if (power > 0.0) {
     const double budget = std::max(1e-6, 0.8 * reserve_.energy());
