@@ -22,7 +22,7 @@ struct LinkParameters {
   double fillingDrag = 0.6;     // N·s/m, additional drag while the reserve is empty
   double fadeTime = 0.5;        // s, until the link has its full force
   double longestDelay = haptics::longestDelay(true);  // s: the link is off beyond it
-  double peerSlew = 6.0;                              // N/s: how fast a peer may change the force; 0: any
+  double peerSlew = 10.0;                             // N/s: how fast a peer may change the force; 0: any
   double playOutMargin = 0.0;                         // s, added to the delay that PlayOutDelay estimates
 };
 

@@ -20,7 +20,7 @@ namespace tandem::haptics {
 
 class LinkTrust {
  public:
-  static constexpr double kMostAhead = 0.5;               // N·s: honest peers, 0.23
+  static constexpr double kMostAhead = 0.55;              // N·s: honest peers, 0.35
   static constexpr double kDoubt = 4.0, kLongest = 64.0;  // s
 
   /// `slew` N/s; 0: the peer is believed.
@@ -48,9 +48,9 @@ class LinkTrust {
  private:
   static constexpr double kForgetting = 0.3;  // s
   static constexpr double kMostContradictions = 12.0;
-  static constexpr double kBySpeed = 60.0;  // N/s for each m/s
-  static constexpr double kLately = 0.1;    // s
-  static constexpr double kBurst = 0.05;    // N: late packets make honest forces jump by less
+  static constexpr double kBySpeed = 100.0;  // N/s for each m/s
+  static constexpr double kLately = 0.1;     // s
+  static constexpr double kBurst = 0.05;     // N: late packets make honest forces jump by less
 
   void doubt();
 
