@@ -42,7 +42,7 @@ class StateReceiving {
   void handle(const sync::StateUpdate& update);
   /// Acknowledges the updates that have arrived, so that the server may encode later ones against them.
   void acknowledge();
-  /// Passes on whose link packets the hand does not believe.
+  /// Tells the server of the sites whose link packets the hand's loop does not believe.
   void drainDoubts();
   /// Gives the hand the session's time and the play-out delay.
   void publishTimeBase();

@@ -11,8 +11,8 @@
 
 namespace tandem::haptics {
 
-/// m, a lower bound for all places between `place`, where the field reads `here`, and `place + along`. A
-/// distance with one slope or one ridge on the way is least at an end, one with a valley above both tangents.
+/// m, a lower bound for all places between `place`, where the field reads `here`, and `place + along`.
+/// Between the two a concave distance is least at an end, and a convex one lies above the tangents at both.
 /// Where the error at the other end is above `rough` (m), a distance counts that falls as the way is long.
 inline float leastTowards(const DistanceField& field, const glm::vec3& place,
                           const DistanceField::Reading& here, const glm::vec3& along, float rough) {
