@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <tuple>
 
+#include "tests/support/full_size.h"
+
 namespace tandem::test {
 
 haptics::ArmParameters relaxedArm() { return {}; }
@@ -69,7 +71,9 @@ std::uint64_t sessions() {
   return text != nullptr ? std::strtoull(text, nullptr, 10) : 1000;
 }
 
-std::uint64_t seedsUpTo(std::uint64_t max) { return std::clamp<std::uint64_t>(sessions() / 50, 1, max); }
+std::uint64_t seedsUpTo(std::uint64_t max) {
+  return atFullSize() ? max : std::clamp<std::uint64_t>(sessions() / 250, 1, max);
+}
 
 std::string describe(const client::SimulationResult& result) {
   std::string text;

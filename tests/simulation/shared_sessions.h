@@ -42,7 +42,7 @@ class SharedSession {
 
 /// How many sessions are drawn at random: TANDEM_SEEDS, or 1000.
 std::uint64_t sessions();
-/// How many seeds a scenario runs with: a fiftieth of sessions(), at least 1 and no more than `max`.
+/// How many seeds a scenario runs with: `max` with TANDEM_FULL_SIZE, else sessions() / 250, from 1 to `max`.
 std::uint64_t seedsUpTo(std::uint64_t max);
 
 /// The broken rules and the grants of a run, for messages.
