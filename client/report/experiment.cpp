@@ -20,6 +20,8 @@ constexpr double kMillimetre = 1e-3;
 constexpr double kGrooveHalfAngle = kPi / 6.0;
 constexpr double kInset = 0.8 * kMillimetre;  // depth under the gear, whose teeth are 2 mm wide at their tips
 constexpr int kApproach = 40;                 // ticks in which the tool comes down
+constexpr double kHover = 0.3 * kMillimetre;  // height over a surface
+constexpr double kScanRadius = 10.0 * kMillimetre, kScanNoise = 0.05;  // the noise in edges of the mesh
 
 /// A number of triangles as an id and a title write it.
 struct Size {
@@ -49,27 +51,88 @@ double approach(int tick) {
   return share * share * (3.0 - 2.0 * share);
 }
 
-/// A stroke over a sphere around `centre`: 2 mm deep at 0.2 m/s along a curve that meets facets at all
-/// angles.
-void strokeSphere(Experiment& e, double radius, double ball, const glm::dvec3& centre, int ticks) {
-  const double reach = radius + ball, depth = 2.0 * kMillimetre, speed = 0.2;
+/// From 0 (hovering) to 1 (as deep as it goes) and back, twice a second, at rest for a fifth of a second at
+/// both ends.
+double inAndOut(int tick) {
+  const double phase = std::fmod(2.0 * kDt * tick, 1.0), way = phase < 0.5 ? phase : 1.0 - phase;
+  const double share = std::clamp(5.0 * (way - 0.2) / 0.5, 0.0, 1.0);
+  return share * share * (3.0 - 2.0 * share);
+}
+
+/// A direction from the centre of a sphere, along a curve that meets facets at all angles.
+glm::dvec3 strokeDirection(double travelled) {
+  const double polar = 0.5 * kPi + 0.6 * std::sin(0.37 * travelled + 0.3), azimuth = 0.9 * travelled + 0.1;
+  return {std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth), std::cos(polar)};
+}
+
+/// A stroke over a sphere around `centre` at 0.2 m/s, at heights over where the tool rests.
+template <typename HeightAt>
+void strokeSphere(Experiment& e, double radius, double ball, const glm::dvec3& centre, int ticks,
+                  const HeightAt& heightAt) {
+  const double reach = radius + ball, speed = 0.2;
   for (int i = 0; i < ticks; ++i) {
-    const double travelled = speed * kDt * i / radius;
-    const double polar = 0.5 * kPi + 0.6 * std::sin(0.37 * travelled + 0.3), azimuth = 0.9 * travelled + 0.1;
-    const glm::dvec3 direction(std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth),
-                               std::cos(polar));
-    const double height = reach + kMillimetre - approach(i) * (kMillimetre + depth);
-    const glm::dvec3 goal = direction * height;
+    const glm::dvec3 goal = strokeDirection(speed * kDt * i / radius) * (reach + heightAt(i));
     e.path.push_back({centre + goal, centre + outsideSphere(goal, reach), 0.0});
   }
 }
 
-Experiment sphere(double radius, double ball, int triangles, const glm::dvec3& centre, int ticks) {
+double down2mm(int tick) { return kMillimetre - approach(tick) * 3.0 * kMillimetre; }
+
+Experiment sphereAt(double radius, int triangles, const glm::dvec3& centre) {
   Experiment e = onePart(generate::sphereMesh(radius, triangles), centre);
   const double deepest = generate::deepestFacet(e.scene.meshes[0], radius);
   e.facetDepth = deepest;
   e.facetTilt = std::acos(1.0 - deepest / radius);
-  strokeSphere(e, radius, ball, centre, ticks);
+  e.curved = true;
+  return e;
+}
+
+/// 2 mm deep.
+Experiment sphere(double radius, double ball, int triangles, const glm::dvec3& centre, int ticks) {
+  Experiment e = sphereAt(radius, triangles, centre);
+  strokeSphere(e, radius, ball, centre, ticks, down2mm);
+  return e;
+}
+
+Experiment sphereInAndOut(int triangles, int ticks) {
+  constexpr double kRadius = 0.05, kDeep = 0.8 * kMillimetre;
+  Experiment e = sphereAt(kRadius, triangles, glm::dvec3(0.0));
+  strokeSphere(e, kRadius, 0.0, glm::dvec3(0.0), ticks,
+               [](int i) { return kHover - inAndOut(i) * (kHover + kDeep); });
+  return e;
+}
+
+/// A point of the surface that scanMesh() is a scan of, and its normal.
+struct ScannedPlace {
+  glm::dvec3 point, normal;
+};
+
+ScannedPlace scannedPlace(const glm::dvec3& direction) {
+  constexpr double kStep = 1e-5;
+  glm::dvec3 rise(0.0);
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::dvec3 step(0.0);
+    step[axis] = kStep;
+    rise[axis] = (generate::scanWave(kScanRadius, direction + step) -
+                  generate::scanWave(kScanRadius, direction - step)) /
+                 (2.0 * kStep);
+  }
+  const double height = kScanRadius + generate::scanWave(kScanRadius, direction);
+  const glm::dvec3 across = rise - glm::dot(rise, direction) * direction;
+  return {direction * height, glm::normalize(direction - across / height)};
+}
+
+/// 2 mm under the body that was scanned, which is less than it is curved anywhere: the exact answer of that
+/// body is the place under whose normal the hand is.
+Experiment scan(double ball, int triangles, int ticks) {
+  Experiment e = onePart(generate::scanMesh(kScanRadius, triangles, kScanNoise, 1));
+  e.curved = true;
+  for (int i = 0; i < ticks; ++i) {
+    const ScannedPlace place = scannedPlace(strokeDirection(0.1 * kDt * i / kScanRadius));
+    const double height = down2mm(i);
+    const glm::dvec3 rest = place.point + ball * place.normal, goal = rest + height * place.normal;
+    e.path.push_back({goal, height < 0.0 ? rest : goal, 0.0});
+  }
   return e;
 }
 
@@ -122,7 +185,8 @@ class InsetCurve {
 
 /// A ball is a point outside the gear grown by its radius. Arcs are pieces of 30 urad, which are 0.1 pm off;
 /// a goal near an arc's centre gives a proxy up to some 0.1 um beside the exact one.
-Experiment gear(int triangles, double ball, int ticks) {
+template <typename DepthAt>
+Experiment gear(int triangles, double ball, int ticks, const DepthAt& depthAt) {
   const std::vector<glm::dvec2> profile =
       ball > 0.0 ? generate::grownProfile(generate::gearProfile(), ball, 3e-5) : generate::gearProfile();
   Experiment e = onePart(generate::gearMesh(triangles));
@@ -131,8 +195,7 @@ Experiment gear(int triangles, double ball, int ticks) {
   // 0.1 m/s along the outline, begun over a tooth; no layer of the mesh is at this height.
   const double start = curve.arcOfOutermost(), z = 0.50712 * generate::kGearHeight;
   for (int i = 0; i < ticks; ++i) {
-    const double down = approach(i);
-    const glm::dvec2 goal = curve.at(start + 1e-4 * i, (2.0 * down - 1.0) * kInset);
+    const glm::dvec2 goal = curve.at(start + 1e-4 * i, depthAt(i));
     if (i == 0) exact.place(goal);
     const glm::dvec2 proxy = exact.follow(goal);
     e.path.push_back({{goal.x, goal.y, z}, {proxy.x, proxy.y, z}, 0.0});
@@ -140,13 +203,20 @@ Experiment gear(int triangles, double ball, int ticks) {
   return e;
 }
 
+Experiment gearInset(int triangles, double ball, int ticks) {
+  return gear(triangles, ball, ticks, [](int i) { return (2.0 * approach(i) - 1.0) * kInset; });
+}
+
+Experiment gearInAndOut(int triangles, int ticks) {
+  return gear(triangles, 0.0, ticks, [](int i) { return inAndOut(i) * (kInset + kHover) - kHover; });
+}
+
 /// A point on a circle that meets no vertex of the sheet, `travelled` m along it, and down to 2 mm under z =
 /// 0.
 glm::dvec3 circleAt(double travelled, int tick) {
   constexpr double kCircle = 0.04;  // m
   const double angle = travelled / kCircle;
-  return {kCircle * std::cos(angle) + 0.0013, kCircle * std::sin(angle) + 0.0007,
-          kMillimetre - approach(tick) * 3.0 * kMillimetre};
+  return {kCircle * std::cos(angle) + 0.0013, kCircle * std::sin(angle) + 0.0007, down2mm(tick)};
 }
 
 /// Circles on the plane z = 0, 2 mm deep, from 0.02 to 0.5 m/s.
@@ -215,6 +285,30 @@ Experiment tiles(bool moving, int ticks) {
   return e;
 }
 
+void addHoveringAndScans(std::vector<ExperimentInfo>& all) {
+  const auto hover = [&](const char* over, const char* title, const char* about) {
+    for (const Size& size : {kSizes[1], kSizes[3]})
+      all.push_back({std::string("hover-") + over + "-" + size.name, std::string("hover-") + over,
+                     std::string(title) + ", " + size.title + " triangles", about, size.triangles <= 10'000});
+  };
+  hover("gear", "Hovering over a gear",
+        "A point goes along the outline of the gear, 0.3 mm above it, and twice a second 0.8 mm into it and "
+        "out.");
+  hover("sphere", "Hovering over a sphere", "The same over a sphere of 50 mm radius, at 0.2 m/s.");
+  for (const Size& size : kSizes) {
+    if (size.triangles < 10'000) continue;
+    all.push_back(
+        {std::string("scan-") + size.name, "scan", std::string("Rough scan, ") + size.title + " triangles",
+         "A point strokes a lumpy body of 10 mm radius, 2 mm deep at 0.1 m/s; each vertex is off by "
+         "up to 5 % of an edge.",
+         size.triangles <= 10'000});
+    all.back().exact = false;
+  }
+  all.push_back({"scan-ball1-1m", "scan-ball", "Rough scan, 1 mm ball, 1 M triangles",
+                 "A ball of 1 mm radius on the same scan.", false, 1e-3});
+  all.back().exact = false;
+}
+
 }  // namespace
 
 std::vector<ExperimentInfo> allExperiments() {
@@ -253,6 +347,7 @@ std::vector<ExperimentInfo> allExperiments() {
                  "A ball of 1 mm radius on the same sphere.", false, 1e-3});
   all.push_back({"fine-ball3-1m", "fine", "Fine sphere, 3 mm ball",
                  "A ball of 3 mm radius on the same sphere.", false, 3e-3});
+  addHoveringAndScans(all);
   return all;
 }
 
@@ -263,13 +358,17 @@ Experiment buildExperiment(const std::string& id, int ticks) {
   ASSERT(info != all.end() && ticks > 0);
   if (info->family == "sphere") e = sphere(0.05, 0.0, trianglesOf(id), glm::dvec3(0.0), ticks);
   if (info->family == "sphere-far") e = sphere(0.05, 0.0, trianglesOf(id), glm::dvec3(10.0), ticks);
-  if (info->family == "gear") e = gear(trianglesOf(id), 0.0, ticks);
-  if (info->family == "gear-ball") e = gear(trianglesOf(id), info->toolRadius, ticks);
+  if (info->family == "gear") e = gearInset(trianglesOf(id), 0.0, ticks);
+  if (info->family == "gear-ball") e = gearInset(trianglesOf(id), info->toolRadius, ticks);
   if (info->family == "friction") e = roughPlane(info->friction, ticks);
   if (info->family == "plane") e = plane(ticks);
   if (info->family == "groove") e = groove(ticks);
   if (info->family == "parts") e = tiles(id == "parts-moving", ticks);
   if (info->family == "fine") e = sphere(0.01, info->toolRadius, trianglesOf(id), glm::dvec3(0.0), ticks);
+  if (info->family == "hover-gear") e = gearInAndOut(trianglesOf(id), ticks);
+  if (info->family == "hover-sphere") e = sphereInAndOut(trianglesOf(id), ticks);
+  if (info->family == "scan" || info->family == "scan-ball")
+    e = scan(info->toolRadius, trianglesOf(id), ticks);
   e.info = *info;
   return e;
 }

@@ -19,12 +19,13 @@ struct ExperimentInfo {
   bool quick = false;       // part of --quick
   double toolRadius = 0.0;  // m
   double friction = 0.0;    // static and dynamic; baselines and peers have none and are left out
+  bool exact = true;        // false: the answer is that of a body of which the mesh is a rough scan
 };
 
 /// One tick of the path.
 struct PathPoint {
   glm::dvec3 device{0.0, 0.0, 0.0};      // m, world
-  glm::dvec3 exactProxy{0.0, 0.0, 0.0};  // m, world: of an ideal god object
+  glm::dvec3 exactProxy{0.0, 0.0, 0.0};  // m, world: of an ideal god object; in free space the device
   double lift = 0.0;                     // m: by how much every part stands above where the scene has it
 };
 
@@ -34,6 +35,7 @@ struct Experiment {
   assets::Scene scene;
   std::vector<PathPoint> path;  // one entry a millisecond; starts in free space
   bool partsMove = false;       // all parts follow PathPoint::lift
+  bool curved = false;          // stands for a smooth body, so that shading its facets makes sense
   double stiffness = 1000.0;    // N/m
   double facetDepth = 0.0;  // m: the largest depth of a facet under the exact surface; 0 = the mesh is exact
   double facetTilt = 0.0;   // rad: the largest error of a facet's normal

@@ -13,6 +13,8 @@
 namespace tandem::client::report {
 namespace {
 
+constexpr double kRounding_n = 1e-6;  // N
+
 const char* const kStyle = R"(<style>
 :root{color-scheme:light}
 body{margin:0;background:#fafbfc;color:#26313c;font:16px/1.55 system-ui,"DejaVu Sans",sans-serif}
@@ -66,21 +68,69 @@ std::string tooltip(const ExperimentResult& e, const Measurement& m) {
          microseconds(m.cost.p99) + " p99; error " + newtons(m.error.p99) + " p99";
 }
 
-/// Cost against error of a family: a series a setting, a point an experiment.
-std::string scatterOf(const std::vector<const ExperimentResult*>& family) {
+/// Cost against a figure of a family: a series a setting, a point an experiment.
+template <typename FigureOf>
+std::string scatterOf(const std::vector<const ExperimentResult*>& family, const std::string& yLabel,
+                      double floor, FigureOf figureOf) {
   ScatterPlot plot;
   plot.xLabel = "cost of a tick, 99th percentile, µs";
-  plot.yLabel = "error of the force, 99th percentile, N";
+  plot.yLabel = yLabel;
+  plot.floorY = floor;
   for (const ExperimentResult* e : family) {
     for (const Measurement& m : e->settings) {
       auto series = std::find_if(plot.series.begin(), plot.series.end(),
                                  [&](const PlotSeries& s) { return s.style.name == m.name; });
       if (series == plot.series.end()) series = plot.series.insert(series, PlotSeries{styleOf(m), {}});
       const bool labelled = family.size() > 1 && m.setting == "tandem";
-      series->points.push_back({m.cost.p99, m.error.p99, labelled ? sizeOf(e->info) : "", tooltip(*e, m)});
+      series->points.push_back({m.cost.p99, figureOf(m), labelled ? sizeOf(e->info) : "", tooltip(*e, m)});
     }
   }
   return "<figure>" + scatterSvg(plot) + "</figure>\n";
+}
+
+bool hovers(const ExperimentResult& e) { return e.info.family.starts_with("hover"); }
+
+/// The plots of a family: error, and what else its scenes are hard on.
+std::string plotsOf(const std::vector<const ExperimentResult*>& family) {
+  std::string html = scatterOf(family,
+                               family.front()->info.exact ? "error of the force, 99th percentile, N"
+                                                          : "off the force of the body, 99th percentile, N",
+                               1e-9, [](const Measurement& m) { return m.error.p99; });
+  if (!family.front()->info.exact)
+    html += scatterOf(family, "change of force a tick beyond 1 N/mm x travel, largest, N", 1e-3,
+                      [](const Measurement& m) { return m.step.beyondTravel; });
+  return html;
+}
+
+/// The cost of hovering beside that of the whole path.
+std::string hoveringRanges(const std::vector<const ExperimentResult*>& family) {
+  RangePlot plot;
+  plot.xLabel = "cost of a tick from the median (dot) to the 99th percentile, µs";
+  for (const ExperimentResult* e : family) {
+    RangeRow alone{sizeOf(e->info) + ", hovering", {}}, whole{sizeOf(e->info) + ", whole path", {}};
+    for (const Measurement& m : e->settings) {
+      if (m.setting == "no-memory" || m.setting.ends_with("float") || m.setting == "float-data") continue;
+      alone.marks.push_back({styleOf(m), m.hovering.p50, m.hovering.p99, tooltip(*e, m)});
+      whole.marks.push_back({styleOf(m), m.cost.p50, m.cost.p99, tooltip(*e, m)});
+    }
+    plot.rows.push_back(std::move(alone));
+    plot.rows.push_back(std::move(whole));
+  }
+  return "<figure>" + rangeSvg(plot) + "</figure>\n";
+}
+
+/// Headings of the columns that some families alone have.
+std::string extraHeadings(const ExperimentResult& e) {
+  if (hovers(e)) return "<th>hovering p50</th><th>p99</th>";
+  if (e.info.exact) return "";
+  return "<th>change beyond<br>K x travel</th><th>ticks over<br>50 mN</th><th>force beyond<br>K x depth</th>";
+}
+
+std::vector<std::string> extraCells(const ExperimentResult& e, const Measurement& m) {
+  if (hovers(e)) return {microseconds(m.hovering.p50), microseconds(m.hovering.p99)};
+  if (e.info.exact) return {};
+  return {newtons(m.step.beyondTravel), std::to_string(m.step.jumps),
+          m.kind == Kind::tandem ? newtons(m.beyondDepth) : std::string("–")};
 }
 
 std::string tableOf(const ExperimentResult& e) {
@@ -89,16 +139,18 @@ std::string tableOf(const ExperimentResult& e) {
       "</h3>\n<div class=\"wide\"><table><thead><tr><th>method</th>"
       "<th>cost p50</th><th>p99</th><th>error rms</th><th>p99</th><th>largest</th><th>p99, of the force</th>"
       "<th>largest step<br>(ideal " +
-      newtons(e.settings.empty() ? 0.0 : e.settings[0].step.ideal) +
-      ")</th><th>heap use</th><th>build, ms</th></tr></thead><tbody>\n";
+      newtons(e.settings.empty() ? 0.0 : e.settings[0].step.ideal) + ")</th>" + extraHeadings(e) +
+      "<th>heap use</th><th>build, ms</th></tr></thead><tbody>\n";
   for (const Measurement& m : e.settings) {
     html += std::string("<tr class=\"") + (m.kind == Kind::tandem ? "tandem" : "other") + "\"><td>" +
             escaped(m.name) + "</td>";
-    for (const std::string& cell :
-         {microseconds(m.cost.p50), microseconds(m.cost.p99), newtons(m.error.rms), newtons(m.error.p99),
-          newtons(m.error.max), percent(m.error.relativeP99), newtons(m.step.measured),
-          m.allocationsCounted ? std::to_string(m.allocations) : std::string("–"), number(m.build_ms)})
-      html += "<td>" + cell + "</td>";
+    std::vector<std::string> cells{
+        microseconds(m.cost.p50), microseconds(m.cost.p99),     newtons(m.error.rms),    newtons(m.error.p99),
+        newtons(m.error.max),     percent(m.error.relativeP99), newtons(m.step.measured)};
+    for (std::string& cell : extraCells(e, m)) cells.push_back(std::move(cell));
+    cells.push_back(m.allocationsCounted ? std::to_string(m.allocations) : std::string("–"));
+    cells.push_back(number(m.build_ms));
+    for (const std::string& cell : cells) html += "<td>" + cell + "</td>";
     html += "</tr>\n";
   }
   html += "</tbody></table></div>\n";
@@ -192,7 +244,21 @@ std::string explanation(const std::string& family) {
        "new poses. The baselines know still parts only."},
       {"fine",
        "A million triangles on a small sphere: edges of 40 µm under a ball of up to 3 mm, which touches "
-       "thousands of them."}};
+       "thousands of them."},
+      {"hover-gear",
+       "A hand is most often near a surface, not in it: there the question is what is nearest, and nothing "
+       "that is known from the last tick answers it alone. The exact answer is known as for the gear."},
+      {"hover-sphere", "Here every facet at the same height is as near as the next one."},
+      {"scan",
+       "Of a rough mesh no exact force is known: what is shown is how far the force is from that of the "
+       "body without noise, which every method that follows the facets pays. The second plot shows what "
+       "the hand would feel as kicks: by how much the force changes in a tick beyond 1 N/mm times the "
+       "travel of the hand. At this depth a facet that is tilted by a few degrees moves the place of the "
+       "proxy by tenths of a millimetre, and the proxy snaps from hollow to hollow. An error of ten times "
+       "the force is that of a tool that has fallen through. A nearest point (peers) is free to be "
+       "anywhere at once, and so is nearer to the body. A force must never be larger than 1 N/mm times its "
+       "own depth, however it is shaded."},
+      {"scan-ball", "A ball lies over the roughness that a point falls into."}};
   const auto found = kTexts.find(family);
   return found != kTexts.end() ? found->second : "";
 }
@@ -240,7 +306,9 @@ std::string familySection(const SweepResult& result, const std::string& family) 
       members.size() > 1 ? first.title.substr(0, first.title.find(", ")) : first.title;
   std::string html = "<h2>" + escaped(heading) + "</h2>\n<p>" + escaped(first.about) + " " +
                      escaped(explanation(family)) + "</p>\n";
-  html += scatterOf(members) + cornerOf(*members.back()) + "<details><summary>All figures</summary>\n";
+  html += plotsOf(members) + cornerOf(*members.back());
+  if (hovers(*members.back())) html += hoveringRanges(members);
+  html += "<details><summary>All figures</summary>\n";
   for (const ExperimentResult* e : members) html += tableOf(*e);
   return html + "</details>\n";
 }
@@ -288,6 +356,39 @@ std::string scriptData(const std::string& json) {
   return out;
 }
 
+/// Targets of single experiments for Tandem as it is used.
+void costBounds(const ExperimentResult& e, const Measurement& m, std::vector<Bound>& bounds) {
+  static const std::pair<const char*, TargetCost> kTargets[] = {{"gear-1m", kGearTarget},
+                                                                {"gear-ball1-1m", kGearBallTarget},
+                                                                {"fine-ball3-1m", kFineSphereTarget},
+                                                                {"parts-still", kStillPartsTarget},
+                                                                {"parts-moving", kMovingPartsTarget},
+                                                                {"hover-gear-1m", kGearTarget},
+                                                                {"scan-1m", kScanTarget},
+                                                                {"scan-ball1-1m", kScanBallTarget}};
+  for (const auto& [id, target] : kTargets) {
+    if (e.info.id != id) continue;
+    if (target.p50 > 0.0) bounds.push_back({e.info.title + ": tick p50", "µs", m.cost.p50, target.p50});
+    bounds.push_back({e.info.title + ": tick p99", "µs", m.cost.p99, target.p99});
+  }
+  if (e.info.id == "friction")
+    bounds.push_back({"friction on a plane: error of the force, p99", "%", 100.0 * m.error.relativeP99, 0.5});
+  if (e.info.id == "gear-1m") bounds.push_back({"build of 1 M triangles", "ms", m.build_ms, kBuildTarget_ms});
+}
+
+/// What a force must keep where no exact one is known.
+void roughBounds(const ExperimentResult& e, std::vector<Bound>& bounds) {
+  if (e.info.exact) return;
+  for (const Measurement& m : e.settings) {
+    if (m.setting != "shading") continue;
+    bounds.push_back(
+        {e.info.title + ", force shading: change of force a tick beyond 1 N/mm x travel, largest", "N",
+         m.step.beyondTravel, kFeltJump});
+    bounds.push_back({e.info.title + ", force shading: force beyond 1 N/mm x depth, largest", "N",
+                      m.beyondDepth, kRounding_n});
+  }
+}
+
 }  // namespace
 
 std::vector<Bound> boundsOf(const SweepResult& result) {
@@ -304,7 +405,7 @@ std::vector<Bound> boundsOf(const SweepResult& result) {
         bounds.push_back({e.info.title + ", force shading: error of the force, p99", "%",
                           100.0 * m.error.relativeP99, 0.1});
       if (m.setting != "tandem") continue;
-      if (!(e.facetError > 0.0) && m.step.ideal > 0.0) {
+      if (!(e.facetError > 0.0) && e.info.exact && m.step.ideal > 0.0) {
         exactSteps = true;
         steps = std::max(steps, m.step.measured / m.step.ideal);
       }
@@ -312,22 +413,9 @@ std::vector<Bound> boundsOf(const SweepResult& result) {
         gears = true;
         gear = std::max(gear, m.error.relativeP99);
       }
-      const auto cost = [&](const char* id, const TargetCost& target) {
-        if (e.info.id != id) return;
-        if (target.p50 > 0.0) bounds.push_back({e.info.title + ": tick p50", "µs", m.cost.p50, target.p50});
-        bounds.push_back({e.info.title + ": tick p99", "µs", m.cost.p99, target.p99});
-      };
-      cost("gear-1m", kGearTarget);
-      cost("gear-ball1-1m", kGearBallTarget);
-      if (e.info.id == "friction")
-        bounds.push_back(
-            {"friction on a plane: error of the force, p99", "%", 100.0 * m.error.relativeP99, 0.5});
-      cost("fine-ball3-1m", kFineSphereTarget);
-      cost("parts-still", kStillPartsTarget);
-      cost("parts-moving", kMovingPartsTarget);
-      if (e.info.id == "gear-1m")
-        bounds.push_back({"build of 1 M triangles", "ms", m.build_ms, kBuildTarget_ms});
+      costBounds(e, m, bounds);
     }
+    roughBounds(e, bounds);
   }
   for (const PartExperimentResult& e : result.held) partBounds(e, bounds, counted, allocations);
   for (const LinkExperimentResult& e : result.links) linkBounds(e, bounds);

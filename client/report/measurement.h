@@ -28,8 +28,11 @@ struct ForceError {
 /// The largest change of force from one tick to the next, N.
 struct ForceStep {
   double measured = 0.0, ideal = 0.0;
-  double excess = 0.0;  // largest difference between the two changes of one tick
+  double excess = 0.0;        // largest difference between the two changes of one tick
+  double beyondTravel = 0.0;  // most by which a change was more than the stiffness times the hand's travel
+  std::uint64_t jumps = 0;    // ticks in which that was more than kFeltJump
 };
+inline constexpr double kFeltJump = 0.05;  // N
 
 enum class Kind { tandem, baseline, peer };
 
@@ -39,8 +42,10 @@ struct Measurement {
   std::string name;     // for people
   Kind kind = Kind::tandem;
   Cost cost;
+  Cost hovering;  // of the ticks in free space after the first contact; 0 where there are none
   ForceError error;
   ForceStep step;
+  double beyondDepth = 0.0;       // N: most by which a force was more than the stiffness times its own depth
   std::uint64_t allocations = 0;  // in all ticks
   bool allocationsCounted = false;
   double build_ms = 0.0;  // of the tree, or the method's equivalent
@@ -50,6 +55,7 @@ struct Measurement {
 struct Samples {
   std::vector<double> us;         // one a tick
   std::vector<glm::dvec3> force;  // one a tick, N
+  std::vector<double> depth;      // one a tick, m: from the device to the method's proxy; empty: not known
 };
 
 /// Computes the figures from the forces of the first run and the least cost of all runs. Every run must have

@@ -13,9 +13,14 @@ namespace {
 Json settingJson(const Measurement& m) {
   Json json = {{"id", m.setting}, {"name", m.name}, {"kind", nameOf(m.kind)}};
   putCost(json, m.cost);
+  json["hovering_us"] = {{"p50", number(m.hovering.p50)}, {"p99", number(m.hovering.p99)}};
   putError(json, m.error);
-  json["step_n"] = {
-      {"max", number(m.step.measured)}, {"ideal", number(m.step.ideal)}, {"excess", number(m.step.excess)}};
+  json["step_n"] = {{"max", number(m.step.measured)},
+                    {"ideal", number(m.step.ideal)},
+                    {"excess", number(m.step.excess)},
+                    {"beyond_travel", number(m.step.beyondTravel)},
+                    {"jumps", m.step.jumps}};
+  json["beyond_depth_n"] = number(m.beyondDepth);
   json["allocations"] = m.allocationsCounted ? Json(m.allocations) : Json(nullptr);
   json["build_ms"] = number(m.build_ms);
   return json;
@@ -26,10 +31,12 @@ Measurement peerSetting(const Json& json) {
   m.setting = json.at("id").text();
   m.name = json.at("name").text();
   m.kind = Kind::peer;
-  const Json& step = json.at("step_n");
+  const Json &step = json.at("step_n"), &hovering = json.at("hovering_us");
   m.cost = costFrom(json);
+  m.hovering = {measure(hovering, "p50"), measure(hovering, "p99")};
   m.error = errorFrom(json);
-  m.step = {measure(step, "max"), measure(step, "ideal"), measure(step, "excess")};
+  m.step = {measure(step, "max"), measure(step, "ideal"), measure(step, "excess"),
+            measure(step, "beyond_travel"), static_cast<std::uint64_t>(measure(step, "jumps"))};
   m.build_ms = measure(json, "build_ms");
   return m;
 }
@@ -51,6 +58,7 @@ std::string toJson(const SweepResult& result) {
                   {"parts", e.parts},
                   {"ticks", e.ticks},
                   {"tool_radius_m", e.info.toolRadius},
+                  {"exact", e.info.exact},
                   {"peak_force_n", number(e.peakForce)},
                   {"facet_error_n", number(e.facetError)}};
     entry["settings"] = Json::array();

@@ -20,7 +20,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kSmoothBelow = 0.6;  // rad: far above the angle between facets of a sphere of 1000 triangles
+// rad: far above the angle between facets of a sphere of 1000 triangles, and between those of a scan
+constexpr double kSmoothBelow = 0.6;
 
 double microseconds(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double, std::micro>(to - from).count();
@@ -52,6 +53,7 @@ class TandemRun {
     Samples samples;
     samples.us.reserve(experiment_.path.size());
     samples.force.reserve(experiment_.path.size());
+    samples.depth.reserve(experiment_.path.size());
     double lift = 0.0;
     for (const PathPoint& point : experiment_.path) {
       liftParts(point.lift, lift);
@@ -97,6 +99,7 @@ class TandemRun {
     if (allocations_) count_ += allocations_() - before;
     samples.us.push_back(microseconds(start, end));
     samples.force.push_back(out.hands[0].toHand.force);
+    samples.depth.push_back(glm::length(out.worldFromProxy.position - device));
   }
 
   const Experiment& experiment_;
@@ -131,7 +134,7 @@ class ExperimentSweep {
     tandem("tandem", "Tandem", contact, {}).build_ms = build_ms;
     tandem("no-memory", "Tandem, contacts forgotten every tick", contact, {false, false}).build_ms = build_ms;
     if (experiment_.scene.parts.size() == 1) singlePrecisionData();
-    if (experiment_.facetDepth > 0.0) shaded();
+    if (experiment_.curved) shaded();
     if (!experiment_.partsMove && !(experiment_.info.toolRadius > 0.0) &&
         !(experiment_.info.friction > 0.0)) {
       baselines<double>("double", "double");
