@@ -320,6 +320,19 @@ TEST(Session, RenewsLeasesOnlyForPings) {
   EXPECT_EQ(rig.session->ownership().part(0).owner, kNoSite);
 }
 
+// A site believes that what is answered has renewed its lease (S3).
+TEST(Session, RenewsLeasesForPingsThatOvertakeReady) {
+  Rig rig;
+  FakeSite& a = rig.join("a");
+  const SiteId id = a.last<Welcome>()->site;
+  rig.grab(a, 0, 1);
+  FakeSite& again = rig.connect("a");
+  again.send(Hello{kProtocolVersion, true, a.last<Welcome>()->resumeTicket, "a", {1, 2, 3}});
+  rig.run(5 * kSecond);
+  EXPECT_FALSE(again.pongs.empty());
+  EXPECT_EQ(rig.session->ownership().part(0).owner, id);
+}
+
 TEST(Session, PutsUnownedPartsBackForAnInstructor) {
   Rig rig;
   FakeSite& i = rig.join("i", Role::instructor);
