@@ -12,6 +12,7 @@
 #include "client/report/link_sweep.h"
 #include "client/report/part_experiment.h"
 #include "client/report/peers.h"
+#include "client/report/press_experiment.h"
 #include "client/report/report_json.h"
 #include "client/report/sweep.h"
 
@@ -27,6 +28,7 @@ struct Arguments {
 std::vector<report::ExperimentInfo> everyExperiment() {
   std::vector<report::ExperimentInfo> all = report::allExperiments();
   for (report::ExperimentInfo& info : report::allPartExperiments()) all.push_back(std::move(info));
+  for (report::ExperimentInfo& info : report::allPressExperiments()) all.push_back(std::move(info));
   for (report::ExperimentInfo& info : report::allLinkExperiments()) all.push_back(std::move(info));
   return all;
 }
@@ -49,6 +51,8 @@ std::uint64_t allocationsOf(const report::SweepResult& result) {
     for (const report::Measurement& m : e.settings) count += m.allocations;
   for (const report::PartExperimentResult& e : result.held)
     for (const report::PartMeasurement& m : e.settings) count += m.allocations;
+  for (const report::PressResult& e : result.presses)
+    for (const report::PressMeasurement& m : e.settings) count += m.figures.allocations;
   return count;
 }
 
@@ -62,8 +66,20 @@ void printLinks(const report::SweepResult& result) {
                     1e3 * m.apart, m.handToHand, m.wall, m.load, 1e-3 * m.bytes);
 }
 
+void printPresses(const report::SweepResult& result) {
+  std::printf("%-24s %9s %9s %9s %14s %11s\n", "Irregular parts, pressed", "p50 us", "p99 us", "max us",
+              "penetration um", "change N");
+  for (const report::PressResult& e : result.presses)
+    for (const report::PressMeasurement& m : e.settings)
+      if (m.figures.setting == "tandem")
+        std::printf("%-24s %9.1f %9.1f %9.1f %14.3f %11.2e\n", e.info.title.c_str(), m.figures.cost.p50,
+                    m.figures.cost.p99, m.figures.cost.max, 1e6 * m.figures.depth.max,
+                    m.figures.forceChange.p99);
+}
+
 void printSummary(const report::SweepResult& result) {
   if (!result.links.empty()) printLinks(result);
+  if (!result.presses.empty()) printPresses(result);
   if (result.experiments.empty() && result.held.empty()) return;
   std::printf("%-44s %9s %9s %11s %9s\n", "Tandem", "p50 us", "p99 us", "error p99 N", "build ms");
   for (const report::ExperimentResult& e : result.experiments)

@@ -61,9 +61,11 @@ class PanelDrawing {
   double atY(const PlotPoint& p) const { return y_.at(std::max(p.y, panel_.floorY)); }
 
   std::string frame() const {
-    std::string svg = format(R"(<rect x="%.1f" y="%.1f" width="%.1f" height="%.1f" fill="#f6ece9"/>)", kLeft,
-                             kLane - 8.0, kRight - kLeft, 16.0) +
-                      "\n" + textAt(kLeft - 8.0, kLane + 4.0, "end", "#b3261e", 11.0, "unstable");
+    std::string svg;
+    if (panel_.unstableLane)
+      svg += format(R"(<rect x="%.1f" y="%.1f" width="%.1f" height="%.1f" fill="#f6ece9"/>)", kLeft,
+                    kLane - 8.0, kRight - kLeft, 16.0) +
+             "\n" + textAt(kLeft - 8.0, kLane + 4.0, "end", "#b3261e", 11.0, "unstable");
     for (const double v : x_.lines())
       svg += lineFrom(x_.at(v), kTop, x_.at(v), kBottom, kGrid, 1.0) +
              textAt(x_.at(v), kBottom + 22.0, "middle", kQuiet, 11.0, axisNumber(v));

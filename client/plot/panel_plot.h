@@ -22,6 +22,7 @@ struct Panel {
   double floorY = 1e-9;
   std::vector<double> xLines;  // empty: chosen
   std::vector<PanelSeries> series;
+  bool unstableLane = true;  // false where nothing can be unstable
 };
 
 /// A series of the same name looks the same in all panels.

@@ -8,6 +8,7 @@
 #include "client/plot/words.h"
 #include "client/report/link_page.h"
 #include "client/report/part_page.h"
+#include "client/report/press_page.h"
 #include "client/report/targets.h"
 
 namespace tandem::client::report {
@@ -418,6 +419,7 @@ std::vector<Bound> boundsOf(const SweepResult& result) {
     roughBounds(e, bounds);
   }
   for (const PartExperimentResult& e : result.held) partBounds(e, bounds, counted, allocations);
+  for (const PressResult& e : result.presses) pressBounds(e, bounds, counted, allocations);
   for (const LinkExperimentResult& e : result.links) linkBounds(e, bounds);
   if (gears) bounds.push_back({"gears: error of the force, p99, share of it", "", gear, 1e-4});
   if (exactSteps)
@@ -445,7 +447,7 @@ std::string htmlPage(const SweepResult& result, const std::string& json) {
     done.push_back(e.info.family);
     html += familySection(result, e.info.family);
   }
-  html += partSection(result) + linkSection(result);
+  html += partSection(result) + pressSection(result) + manifoldSection(result) + linkSection(result);
   const std::string bars = buildBars(result);
   if (!bars.empty())
     html +=

@@ -51,26 +51,10 @@ assets::TriangleSoup box(const glm::dvec3& size, int n) {
   return soup;
 }
 
-/// Adds both parts without friction; the held one stands at the start of the path.
 void addParts(PartExperiment& e, assets::TriangleSoup held, assets::TriangleSoup other,
               const glm::dquat& turned = {1.0, 0.0, 0.0, 0.0}) {
-  e.scene.materials.emplace_back().name = "smooth";
-  for (assets::TriangleSoup* soup : {&held, &other}) {
-    assets::Part part;
-    part.name = soup == &held ? "held" : "other";
-    part.mesh = static_cast<std::uint32_t>(e.scene.meshes.size());
-    e.scene.meshes.push_back(assets::analyseMesh(std::move(*soup), 0.5).mesh);
-    part.movable = e.scene.parts.empty();
-    if (part.movable) {
-      part.massProperties = assets::massProperties(e.scene.meshes[0], kDensity);
-      part.worldFromPart = {e.path.front().goal, turned};
-    }
-    for (const glm::dvec3& p : e.scene.meshes[part.mesh].positions) {
-      const glm::dvec3 q = transformPoint(part.worldFromPart, p);
-      e.scene.bounds.include(q);
-    }
-    e.scene.parts.push_back(part);
-  }
+  addParts(e, assets::analyseMesh(std::move(held), 0.5).mesh, assets::analyseMesh(std::move(other), 0.5).mesh,
+           turned);
 }
 
 /// The hand's velocity as the tick receives it: the displacement since the last tick, divided by the time.
@@ -223,6 +207,24 @@ PartExperiment cubeInBlock() {
 }
 
 }  // namespace
+
+void addParts(PartExperiment& e, assets::Mesh held, assets::Mesh other, const glm::dquat& turned,
+              const glm::dquat& otherTurned) {
+  e.scene.materials.emplace_back().name = "smooth";
+  for (assets::Mesh* mesh : {&held, &other}) {
+    assets::Part part;
+    part.name = mesh == &held ? "held" : "other";
+    part.mesh = static_cast<std::uint32_t>(e.scene.meshes.size());
+    part.movable = mesh == &held;
+    if (part.movable) part.massProperties = assets::massProperties(*mesh, kDensity);
+    part.worldFromPart = {part.movable ? e.path.front().goal : glm::dvec3(0.0),
+                          part.movable ? turned : otherTurned};
+    e.scene.meshes.push_back(std::move(*mesh));
+    for (const glm::dvec3& p : e.scene.meshes.back().positions)
+      e.scene.bounds.include(transformPoint(part.worldFromPart, p));
+    e.scene.parts.push_back(part);
+  }
+}
 
 glm::dvec2 insidePolygon(const glm::dvec2& goal, double inner, int sides) {
   ASSERT(inner > 0.0 && sides >= 3);

@@ -14,7 +14,8 @@ inline constexpr PartId kHeldPart = 0, kOtherPart = 1;  // of every scene here
 
 /// One tick of the path, and the figures that can be judged in it.
 struct PartPathPoint {
-  glm::dvec3 goal{0.0, 0.0, 0.0};  // the target of the held part's origin; the hand never rotates it
+  glm::dvec3 goal{0.0, 0.0, 0.0};         // the target of the held part's origin
+  glm::dquat turned{1.0, 0.0, 0.0, 0.0};  // by how much it is to be turned since the path began
   glm::dvec3 exactForce{0.0, 0.0,
                         0.0};  // N, on the hand, of an ideal part that follows the hand in steady state
   bool contact = false;        // the parts touch, or would if nothing had stopped the held one
@@ -39,6 +40,12 @@ std::vector<ExperimentInfo> allPartExperiments();
 /// Builds one by its id, with about `ticks` ticks; `quick`: of fewer triangles where that saves seconds. The
 /// id must be one of allPartExperiments().
 PartExperiment buildPartExperiment(const std::string& id, int ticks, bool quick = false);
+
+/// Puts the parts into the scene, without friction; the held one where the path begins, lying as `turned`
+/// says.
+void addParts(PartExperiment& e, assets::Mesh held, assets::Mesh other,
+              const glm::dquat& turned = {1.0, 0.0, 0.0, 0.0},
+              const glm::dquat& otherTurned = {1.0, 0.0, 0.0, 0.0});
 
 /// The point nearest to `goal` in a regular polygon around the origin with `sides` sides at a distance of
 /// `inner` m; a corner lies on +x.

@@ -10,24 +10,40 @@ Json spreadJson(const Spread& s) {
   return {{"p50", number(s.p50)}, {"p99", number(s.p99)}, {"max", number(s.max)}};
 }
 
-Json settingJson(const PartMeasurement& m) {
+Json manifoldJson(const std::vector<ManifoldBin>& bins) {
+  Json json = Json::array();
+  for (const ManifoldBin& bin : bins)
+    json.push({{"rows", number(bin.rows)},
+               {"ticks", bin.ticks},
+               {"cost_us", {{"p50", number(bin.p50)}, {"p99", number(bin.p99)}}}});
+  return json;
+}
+
+/// `exact`: an exact force is known.
+Json settingJson(const PartMeasurement& m, bool exact) {
   Json json = {{"id", m.setting}, {"name", m.name}, {"kind", nameOf(m.kind)}};
   json["field_scale"] = m.fieldScale;
   json["sample_scale"] = m.sampleScale;
   json["refined"] = m.effort.exact;
+  json["samples_alone"] = !m.effort.descend;
   json["steps"] = m.effort.steps;
   json["sample_queries"] = m.effort.sampleQueries;
   putCost(json, m.cost);
   json[m.kind == Kind::peer ? "depth_error_m" : "penetration_m"] = spreadJson(m.depth);
-  putError(json, m.error);
-  json["force_step_n"] = spreadJson(m.forceStep);
-  json["normal_step_rad"] = spreadJson(m.normalStep);
-  json["found_share"] = number(m.found);
+  json["force_change_n"] = spreadJson(m.forceChange);
+  if (exact) {
+    putError(json, m.error);
+    json["force_step_n"] = spreadJson(m.forceStep);
+    json["normal_step_rad"] = spreadJson(m.normalStep);
+    json["found_share"] = number(m.found);
+  }
   json["cell_m"] = number(m.cell);
   json["spacing_m"] = number(m.spacing);
   json["build_ms"] = number(m.build_ms);
   json["memory_bytes"] = m.memory;
   json["allocations"] = m.allocationsCounted ? Json(m.allocations) : Json(nullptr);
+  json["by_active_rows"] = manifoldJson(m.active);
+  json["by_solved_rows"] = manifoldJson(m.solved);
   return json;
 }
 
@@ -46,7 +62,25 @@ Json partExperimentJson(const PartExperimentResult& e) {
                {"peak_force_n", number(e.peakForce)},
                {"asked_penetration_m", number(e.targetDepth)}};
   json["settings"] = Json::array();
-  for (const PartMeasurement& m : e.settings) json["settings"].push(settingJson(m));
+  for (const PartMeasurement& m : e.settings) json["settings"].push(settingJson(m, true));
+  return json;
+}
+
+Json pressJson(const PressResult& e) {
+  Json json = {{"id", e.info.id},
+               {"title", e.info.title},
+               {"about", e.info.about},
+               {"presses", e.presses},
+               {"least_triangles", e.leastTriangles},
+               {"most_triangles", e.mostTriangles},
+               {"ticks", e.ticks},
+               {"asked_penetration_m", number(e.targetDepth)}};
+  json["settings"] = Json::array();
+  for (const PressMeasurement& m : e.settings) {
+    Json setting = settingJson(m.figures, false);
+    setting["presses_beyond"] = m.beyond;
+    json["settings"].push(std::move(setting));
+  }
   return json;
 }
 

@@ -8,6 +8,7 @@
 namespace tandem::client::report {
 
 Json partExperimentJson(const PartExperimentResult& e);
+Json pressJson(const PressResult& e);
 
 /// Reads what a program that measures peers wrote for one experiment; throws JsonError where that is no
 /// measurement.

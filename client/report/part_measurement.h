@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "client/report/manifold.h"
 #include "client/report/measurement.h"
 #include "client/report/part_experiment.h"
 #include "haptics/base/contact_effort.h"
@@ -28,6 +29,7 @@ struct PartMeasurement {
   Spread depth;        // m, exact penetration; peers: error of the depth that they report
   ForceError error;    // N
   Spread forceStep;    // N a tick, beyond the exact change
+  Spread forceChange;  // N a tick, in all
   Spread normalStep;   // rad a tick, of the contact's direction
   double found = 0.0;  // share of the ticks with a contact in which one with the right sense was reported
   double cell = 0.0,
@@ -37,6 +39,8 @@ struct PartMeasurement {
   std::size_t memory = 0;         // bytes, of what was built; 0: not known
   std::uint64_t allocations = 0;  // in all ticks
   bool allocationsCounted = false;
+  std::vector<ManifoldBin> active,
+      solved;  // cost by rows that push at the end of a tick; by rows solved in it
 };
 
 /// Whether the tick has as many steps and queries as in use.
@@ -48,6 +52,7 @@ struct PartSample {
   glm::dvec3 force{0.0, 0.0, 0.0};   // N, on the hand
   glm::dvec3 normal{0.0, 0.0, 0.0};  // unit, away from the other part; 0: no contact was reported
   double depth = -1.0;               // m, as PartMeasurement::depth; below 0: not measured in this tick
+  int active = 0, solved = 0;        // rows of the contact; 0 of peers
 };
 
 /// Judges the first run, and the least cost of all. Every run must have path.size() entries.

@@ -1,11 +1,8 @@
 #include "client/report/part_sweep.h"
 
-#include <stdlib.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <filesystem>
 #include <initializer_list>
 #include <map>
 
@@ -13,9 +10,11 @@
 
 #include "assets/base/assert.h"
 #include "client/base/thread_clock.h"
+#include "client/report/field_folder.h"
 #include "haptics/measure/held_depth.h"
 #include "haptics/scene/contact_scene_data.h"
 #include "haptics/tick.h"
+#include "haptics/tick_data.h"
 
 namespace tandem::client::report {
 namespace {
@@ -74,10 +73,18 @@ class PartRun {
   PartSample step(std::size_t i) {
     using Kind = haptics::PartCommand::Kind;
     const Pose& start = experiment_.scene.parts[kHeldPart].worldFromPart;
-    const glm::dvec3 goal = experiment_.path[i].goal;
+    const PartPathPoint& point = experiment_.path[i];
+    const auto gripOf = [&](const PartPathPoint& p) {
+      return p.turned * start.orientation * experiment_.grip;
+    };
     haptics::TickInput input;
-    input.hands[0].device.worldFromDevice = {goal + start.orientation * experiment_.grip, start.orientation};
-    if (i > 0) input.hands[0].device.twist.linear = (goal - experiment_.path[i - 1].goal) / parameters_.dt;
+    Twist& twist = input.hands[0].device.twist;
+    input.hands[0].device.worldFromDevice = {point.goal + gripOf(point), point.turned * start.orientation};
+    if (i > 0) {
+      const PartPathPoint& last = experiment_.path[i - 1];
+      twist.linear = ((point.goal - last.goal) + (gripOf(point) - gripOf(last))) / parameters_.dt;
+      twist.angular = rotationVector(point.turned * glm::conjugate(last.turned)) / parameters_.dt;
+    }
     input.hands[0].device.time = parameters_.dt * static_cast<double>(i);
     input.hands[0].device.valid = true;
     const haptics::PartCommand take[2] = {{Kind::own, kHeldPart, start}, {Kind::grasp, kHeldPart, {}}};
@@ -87,7 +94,12 @@ class PartRun {
     const haptics::TickOutput out = haptics::tick(input, contact_, parameters_, state_);
     const double end = threadMicroseconds();
     if (allocations_ != nullptr) count_ += allocations_() - before;
-    return {end - begin, out.hands[0].toHand.force, directionOf(out), -1.0};
+    PartSample sample{end - begin, out.hands[0].toHand.force, directionOf(out)};
+    if (const haptics::PartContact* contact = state_.data().partContact.get(); contact != nullptr) {
+      sample.active = static_cast<int>(contact->touches().size());
+      sample.solved = contact->work().iterations;
+    }
+    return sample;
   }
 
   const PartExperiment& experiment_;
@@ -96,12 +108,6 @@ class PartRun {
   const haptics::TickParameters parameters_;
   haptics::TickState state_;
   std::uint64_t count_ = 0;
-};
-
-/// The resolution with which a model is made.
-struct Making {
-  double field = 1.0, samples = 1.0;
-  bool asUsed() const { return field == 1.0 && samples == 1.0; }
 };
 
 std::vector<Making> makingsOf(const SweepOptions& options) {
@@ -137,6 +143,8 @@ std::vector<haptics::ContactEffort> effortsOf(const Making& making, const SweepO
   return all;
 }
 
+}  // namespace
+
 PartMeasurement named(const Making& making, const haptics::ContactEffort& effort) {
   PartMeasurement out;
   out.fieldScale = making.field;
@@ -160,35 +168,14 @@ PartMeasurement named(const Making& making, const haptics::ContactEffort& effort
   if (effort.steps != used.steps) add("steps-%d", "steps %d", effort.steps);
   if (effort.sampleQueries != used.sampleQueries) add("queries-%d", "queries %d", effort.sampleQueries);
   if (!effort.exact) add("unrefined%s", "not refined%s", "");
+  if (!effort.descend) add("samples-alone%s", "at the samples alone%s", "");
   out.setting = setting.empty() ? std::string("tandem") : setting;
   return out;
 }
 
-/// A temporary folder that caches fields while settings with the same fields are measured. The destructor
-/// removes it.
-class FieldFolder {
- public:
-  FieldFolder() : path_((std::filesystem::temp_directory_path() / "tandem-report-XXXXXX").string()) {
-    if (::mkdtemp(path_.data()) == nullptr) path_.clear();
-  }
-  ~FieldFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
-  FieldFolder(const FieldFolder&) = delete;
-  FieldFolder& operator=(const FieldFolder&) = delete;
-
-  /// Empty if no folder can be made; then every field is made anew.
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
-
-}  // namespace
-
-void measureTick(const PartExperiment& experiment, const haptics::ContactScene& contact, int runs,
-                 int depthEvery, std::uint64_t (*allocations)(), PartMeasurement& out) {
+std::vector<std::vector<PartSample>> runPart(const PartExperiment& experiment,
+                                             const haptics::ContactScene& contact, int runs, int depthEvery,
+                                             std::uint64_t (*allocations)(), PartMeasurement& out) {
   ASSERT(runs > 0 && depthEvery > 0 && &contact.scene() == &experiment.scene);
   haptics::HeldPartDepthMeter meter(contact, kHeldPart);
   std::vector<std::vector<PartSample>> all;
@@ -198,7 +185,12 @@ void measureTick(const PartExperiment& experiment, const haptics::ContactScene& 
     out.allocations += run.allocations();
   }
   out.allocationsCounted = allocations != nullptr;
-  judgePart(experiment, all, out);
+  return all;
+}
+
+void measureTick(const PartExperiment& experiment, const haptics::ContactScene& contact, int runs,
+                 int depthEvery, std::uint64_t (*allocations)(), PartMeasurement& out) {
+  judgePart(experiment, runPart(experiment, contact, runs, depthEvery, allocations, out), out);
 }
 
 std::vector<ExperimentInfo> chosenPartExperiments(const SweepOptions& options) {

@@ -67,6 +67,8 @@ std::string toJson(const SweepResult& result) {
   }
   json["held"] = Json::array();
   for (const PartExperimentResult& e : result.held) json["held"].push(partExperimentJson(e));
+  json["presses"] = Json::array();
+  for (const PressResult& e : result.presses) json["presses"].push(pressJson(e));
   json["links"] = Json::array();
   for (const LinkExperimentResult& e : result.links) json["links"].push(linkExperimentJson(e));
   json["figures"] = Json::array();

@@ -9,7 +9,7 @@
 
 namespace tandem::client::report {
 
-/// One object; see client/report/README.md for its fields. Numbers that are not finite become null.
+/// One object; see client/report/JSON.md for its fields. Numbers that are not finite become null.
 std::string toJson(const SweepResult& result);
 
 /// What a program that measures peers wrote: {"peers":[NAME..],"experiments":[{"id":..,"settings":[..]}..]}

@@ -11,6 +11,7 @@
 #include "client/report/baseline_proxy.h"
 #include "client/report/link_sweep.h"
 #include "client/report/part_sweep.h"
+#include "client/report/press_sweep.h"
 #include "haptics/scene/contact_scene.h"
 #include "haptics/tick.h"
 #include "haptics/tick_data.h"
@@ -246,11 +247,17 @@ SweepResult sweep(const SweepOptions& options) {
   result.machine = machineLine();
   const std::vector<ExperimentInfo> chosen = chosenExperiments(options),
                                     held = chosenPartExperiments(options),
+                                    presses = chosenPressExperiments(options),
                                     links = chosenLinkExperiments(options);
-  const std::size_t all = chosen.size() + held.size() + links.size();
-  for (std::size_t i = 0; i < chosen.size(); ++i) {
-    if (options.progress) options.progress(i, all, chosen[i]);
-    const Experiment experiment = buildExperiment(chosen[i].id, ticksOf(options));
+  const std::size_t all = chosen.size() + held.size() + presses.size() + links.size();
+  std::size_t done = 0;
+  const auto next = [&](const ExperimentInfo& info) {
+    if (options.progress) options.progress(done, all, info);
+    ++done;
+  };
+  for (const ExperimentInfo& info : chosen) {
+    next(info);
+    const Experiment experiment = buildExperiment(info.id, ticksOf(options));
     ExperimentResult& out = result.experiments.emplace_back();
     out.info = experiment.info;
     out.triangles = assets::triangleCount(experiment.scene);
@@ -263,11 +270,15 @@ SweepResult sweep(const SweepOptions& options) {
     out.settings = ExperimentSweep(experiment, options).run();
   }
   for (const ExperimentInfo& info : held) {
-    if (options.progress) options.progress(result.experiments.size() + result.held.size(), all, info);
+    next(info);
     result.held.push_back(sweepPart(info, options));
   }
+  for (const ExperimentInfo& info : presses) {
+    next(info);
+    result.presses.push_back(sweepPresses(info, options));
+  }
   for (const ExperimentInfo& info : links) {
-    if (options.progress) options.progress(chosen.size() + held.size() + result.links.size(), all, info);
+    next(info);
     result.links.push_back(sweepLinks(info, options));
   }
   if (options.only.empty()) result.figures = measureFigures(options.quick);

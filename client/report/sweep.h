@@ -45,6 +45,22 @@ struct PartExperimentResult {
   std::vector<PartMeasurement> settings;
 };
 
+/// One setting over all presses of a family.
+struct PressMeasurement {
+  PartMeasurement figures;
+  int beyond = 0;  // presses that went deeper than is asked
+};
+
+/// Irregular parts of one family pressed onto each other, with all settings.
+struct PressResult {
+  ExperimentInfo info;
+  int presses = 0;
+  std::size_t leastTriangles = 0, mostTriangles = 0;  // of a pair
+  std::size_t ticks = 0;                              // of all presses
+  double targetDepth = 0.0;                           // m, the project's target
+  std::vector<PressMeasurement> settings;
+};
+
 /// Two sites at one delay, with all settings.
 struct LinkExperimentResult {
   ExperimentInfo info;
@@ -58,6 +74,7 @@ struct SweepResult {
   std::string machine;
   std::vector<ExperimentResult> experiments;
   std::vector<PartExperimentResult> held;
+  std::vector<PressResult> presses;
   std::vector<LinkExperimentResult> links;
   std::vector<Figure> figures;     // empty where single experiments were asked for
   std::vector<std::string> peers;  // the libraries that were measured, with versions

@@ -20,6 +20,7 @@ inline constexpr TargetCost kMovingPartsTarget{0.0, 20.0};  // ten thousand part
 inline constexpr TargetCost kHeldPartTarget{250.0, 500.0};  // a held part among its neighbours
 inline constexpr double kHeldPartLongest_ms = 1.0;          // its longest tick
 inline constexpr double kForceStepTarget = 0.05;            // N a tick at 1 N/mm, beyond the exact change
+inline constexpr double kForceStepLargest = 0.25;           // N a tick, in all, below 100 mm/s
 inline constexpr double kBuildTarget_ms = 150.0;            // of a tree of a million triangles
 inline constexpr double kRefitTarget_ms = 2.0;              // of a tree of a hundred thousand triangles
 

@@ -122,17 +122,7 @@ assets::TriangleSoup ballSoup(double radius, const Facets& facets) {
 
 assets::TriangleSoup prismSoup(const std::vector<glm::dvec2>& outline, double height, int layers) {
   SoupBuilder b;
-  std::vector<Ring> rings(static_cast<std::size_t>(layers) + 1);
-  for (std::size_t i = 0; i < rings.size(); ++i) {
-    for (const glm::dvec2& p : outline) {
-      rings[i].emplace_back(p, height * static_cast<double>(i) / static_cast<double>(layers));
-    }
-  }
-  b.bands(rings);
-  for (const auto& t : generate::triangulate(outline, {})) {
-    b.triangle({t[0], height}, {t[1], height}, {t[2], height});
-    b.triangle({t[0], 0.0}, {t[2], 0.0}, {t[1], 0.0});
-  }
+  b.prism(outline, height, layers);
   return b.soup;
 }
 

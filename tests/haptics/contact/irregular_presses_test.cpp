@@ -6,15 +6,12 @@
 #include <cstdio>
 #include <vector>
 
+#include "haptics/measure/touching_height.h"
 #include "tests/haptics/contact/irregular_shapes.h"
 #include "tests/haptics/contact/part_contact_case.h"
 
 namespace tandem::test {
 namespace {
-
-constexpr double kPressSpeed = 0.02, kSlideSpeed = 0.04;          // m/s
-constexpr double kAbove = 0.0005, kPress = 0.002, kSlide = 0.01;  // m
-constexpr double kBlend = 0.05;                                   // s, over which a speed rises or falls
 
 /// Two meshes of a family, and what measures them.
 struct MeshPair {
@@ -24,58 +21,24 @@ struct MeshPair {
         underModel(under),
         heldModel(held) {}
 
-  /// The height over the origin below which the held part is inside the other one, which lies at the origin.
-  double touchingHeight(const glm::dquat& lying, Pose at) const {
-    const auto inside = [&](double z) {
-      at.position.z = z;
-      return haptics::deepestPenetration(underModel, {{0.0, 0.0, 0.0}, lying}, heldModel, at).depth > 0.0;
-    };
-    double low = 0.06;
-    while (low > 0.0 && !inside(low)) low -= 0.004;
-    double high = low + 0.004;
-    for (int k = 0; k < 7; ++k) {
-      const double middle = 0.5 * (low + high);
-      (inside(middle) ? low : high) = middle;
-    }
-    return high;
-  }
-
   assets::Mesh under, held;
   haptics::DepthModel underModel, heldModel;
 };
 
-/// The way after a time along a length, at a speed that rises at the beginning and falls at the end.
-double wayAfter(double time, double length, double speed) {
-  const double t = std::max(time, 0.0), end = length / speed + kBlend;
-  const auto fromRest = [&](double since) {
-    return since < kBlend ? 0.5 * since * since / kBlend : since - 0.5 * kBlend;
-  };
-  return t < 0.5 * end ? speed * fromRest(t) : length - speed * fromRest(std::max(end - t, 0.0));
-}
-
 /// One part is led 2 mm into the other, and then 10 mm aside while it turns.
 PartCase pressCase(const MeshPair& pair, unsigned seed) {
-  Random random(seed);
-  const auto vector = [&](double size) {
-    const double x = between(random, -size, size), y = between(random, -size, size);
-    return glm::dvec3(x, y, between(random, -size, size));
-  };
-  const glm::dquat lying = fromRotationVector(vector(3.0)), above = fromRotationVector(vector(3.0));
-  const glm::dvec3 aside = vector(0.004), rotation = vector(0.3);
-  const double angle = between(random, 0.0, 6.0);
-  Pose start{{aside.x, aside.y, 0.0}, above};
-  start.position.z = pair.touchingHeight(lying, start) + kAbove;
-  const double pressing = (kAbove + kPress) / kPressSpeed + kBlend;
-  const DevicePath path = [=](double time) {
-    const double down = wayAfter(time, kAbove + kPress, kPressSpeed);
-    const double across = wayAfter(time - pressing, kSlide, kSlideSpeed);
-    return Pose{start.position + glm::dvec3(across * std::cos(angle), across * std::sin(angle), -down),
-                fromRotationVector(rotation * (across / kSlide)) * start.orientation};
-  };
+  generate::PressPath path(seed);
+  const Pose under{{0.0, 0.0, 0.0}, path.lying()};
+  path.beginAt(haptics::touchingHeight(pair.underModel, under, pair.heldModel, path.start(), 0.06, 0.004));
   assets::Scene scene = sceneOfParts(
-      {{.name = "under", .mesh = pair.under, .worldFromPart = {{0.0, 0.0, 0.0}, lying}},
-       {.name = "held", .mesh = pair.held, .worldFromPart = start, .movable = true, .mass = 0.05}});
-  return {"irregular press", std::move(scene), 1, path, pressing + kSlide / kSlideSpeed + kBlend + 0.02, {}};
+      {{.name = "under", .mesh = pair.under, .worldFromPart = under},
+       {.name = "held", .mesh = pair.held, .worldFromPart = path.start(), .movable = true, .mass = 0.05}});
+  return {"irregular press",
+          std::move(scene),
+          1,
+          [path](double time) { return path.at(time); },
+          path.duration(),
+          {}};
 }
 
 /// What a family's presses come to.
@@ -93,9 +56,9 @@ struct Figures {
   }
   double deepest() const { return quantile(depths, 1.0); }
   void print(Family family) const {
-    std::printf("%-8s depth um p50 %.2f p99 %.2f max %.2f, %d of %zu beyond 5; ",
-                kFamilyNames[static_cast<int>(family)], 1e6 * quantile(depths, 0.5),
-                1e6 * quantile(depths, 0.99), 1e6 * deepest(), beyond, depths.size());
+    std::printf("%-8s depth um p50 %.2f p99 %.2f max %.2f, %d of %zu beyond 5; ", familyName(family),
+                1e6 * quantile(depths, 0.5), 1e6 * quantile(depths, 0.99), 1e6 * deepest(), beyond,
+                depths.size());
     std::printf("force step N p50 %.4f p99 %.4f max %.3f; tick us p50 %.0f p99 %.0f\n", quantile(steps, 0.5),
                 quantile(steps, 0.99), quantile(steps, 1.0), 1e6 * quantile(cpu, 0.5),
                 1e6 * quantile(cpu, 0.99));

@@ -146,8 +146,8 @@ TEST_P(RefinedWhileFelt, ChangesNoForce) {
   std::printf(
       "%s %u: force %.2f N, differs by %.4f N, at the exchanges by %.4f N; depth um %.2f coarse, %.2f; "
       "tick us p50 %.0f, %.0f p99 %.0f, %.0f\n",
-      kFamilyNames[static_cast<int>(family)], seed, coarse.mostForce(), mostDifference(coarse, changed),
-      atOnce, 1e6 * coarse.deepest(), 1e6 * changed.deepest(), 1e6 * quantile(coarse.cpuTimes(), 0.5),
+      familyName(family), seed, coarse.mostForce(), mostDifference(coarse, changed), atOnce,
+      1e6 * coarse.deepest(), 1e6 * changed.deepest(), 1e6 * quantile(coarse.cpuTimes(), 0.5),
       1e6 * quantile(changed.cpuTimes(), 0.5), 1e6 * quantile(coarse.cpuTimes(), 0.99),
       1e6 * quantile(changed.cpuTimes(), 0.99));
   EXPECT_FALSE(coarse.everFlagged(haptics::kFlagOverflow));
