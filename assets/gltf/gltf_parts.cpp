@@ -173,6 +173,11 @@ class Planner {
       const FlatNode& flat = plan_.nodes[i];
       const std::uint32_t above = flat.parent == kNone ? kNone : plan_.partOfNode[flat.parent];
       const PhysicsNode& physics = physicsOf(i);
+      // CAD states the material of a product, and its solids lie below.
+      if (physics.density > 0.0 || flat.parent == kNone)
+        densityOf_.push_back(physics.density);
+      else
+        densityOf_.push_back(densityOf_[flat.parent]);
       const bool touchable = nodeOf(i).mesh >= 0 || physics.collider.has_value();
       const bool isPart = physics.motion.has_value() || (touchable && !inBody(above));
       plan_.partOfNode[i] = isPart ? addPart(i, above) : above;
@@ -199,6 +204,7 @@ class Planner {
     part.flatNode = node;
     part.worldFromPart = split->rigid;
     part.motion = physicsOf(node).motion;
+    part.density = densityOf_[node];
     plan_.parts.push_back(std::move(part));
     return static_cast<std::uint32_t>(plan_.parts.size() - 1);
   }
@@ -378,6 +384,7 @@ class Planner {
   std::map<std::size_t, std::size_t>
       surfaceFromOther_;                 // glTF node to the surface of a collider that names it
   std::vector<std::int64_t> surfaceOf_;  // flat node to surface id, -1 = none
+  std::vector<double> densityOf_;        // flat node to kg/m^3, 0 = none
   std::set<std::uint32_t> bareParts_;    // parts without a mesh of their own
   std::size_t pieceCount_ = 0, subtreeBudget_ = kMaxPieces;
   std::uint64_t flattened_ = 0, approximated_ = 0, unusedColliderMeshes_ = 0;

@@ -27,6 +27,7 @@ struct PartPlan {
   std::optional<PhysicsMotion> motion;  // file units
   std::optional<std::size_t> filter;    // into GltfPhysics::filters
   double contactTolerance = 0.0;        // m, the strictest of its nodes'; 0: none states one
+  double density = 0.0;                 // kg/m^3, its node's or that of the nearest above; 0: none states one
   std::uint32_t geometry = kNone;       // into ScenePlan::geometries
 };
 

@@ -13,6 +13,7 @@ namespace {
 
 // The values of false and true.
 constexpr const char* kAxisNames[] = {"linear", "angular"};
+constexpr double kLeastDensity = 1.0, kMostDensity = 1e5;  // kg/m^3: beyond aerogel and osmium
 constexpr const char* kModeNames[] = {"force", "acceleration"};
 
 /// The entries of one dialect within an array that holds KHR's entries first and OMI's after them.
@@ -337,10 +338,19 @@ class PhysicsReader {
     return tolerance.value_or(0.0);
   }
 
+  /// extras.cad.density of a node, kg/m^3; 0 where it states none that a material could have. Other programs
+  /// too may write an extras.cad, so nothing in it is refused.
+  static double readDensity(const Json& node) {
+    const Json& density = node.member("extras").member("cad").member("density");
+    if (!density.isNumber()) return 0.0;
+    return density.number() > kLeastDensity && density.number() < kMostDensity ? density.number() : 0.0;
+  }
+
   void readNode(const Json& value, std::size_t index) {
     PhysicsNode& node = out_.nodes[index];
     const std::string place = placeName("nodes", index);
     node.contactTolerance = readTolerance(value, place);
+    node.density = readDensity(value);
     PhysicsSurface surface;
     if (readHaptic(value, place, surface, true)) {
       node.hapticSurface = out_.surfaces.size();

@@ -59,6 +59,7 @@ struct PhysicsNode {
   std::optional<PhysicsJointUse> joint;
   std::optional<std::size_t> hapticSurface;  // extras.haptic of the node itself, into GltfPhysics::surfaces
   double contactTolerance = 0.0;             // m, extras.haptic.tolerance; 0: none stated
+  double density = 0.0;                      // kg/m^3, extras.cad.density; 0: none stated
 };
 
 /// A primitive shape, or the mesh that an OMI shape stands for.

@@ -173,9 +173,13 @@ class SceneBuilder {
 
   void setMass(const PartPlan& plan, Part& part) {
     if (!wantsMovable(plan)) return;
-    const MassProperties computed = part.shapes.empty() || part.mesh != kNone
-                                        ? meshes_[plan.geometry].solid
-                                        : shapesMass(part.shapes, options_.density);
+    MassProperties computed = part.shapes.empty() || part.mesh != kNone
+                                  ? meshes_[plan.geometry].solid
+                                  : shapesMass(part.shapes, options_.density);
+    if (plan.density > 0.0) {  // instances of one mesh may be of different materials
+      computed.mass *= plan.density / options_.density;
+      computed.inertia *= plan.density / options_.density;
+    }
     part.kinematic = plan.motion && (plan.motion->kinematic || plan.motion->mass == 0.0);
     part.gravityFactor = plan.motion ? plan.motion->gravityFactor : 1.0;
     const std::optional<MassProperties> mass =

@@ -16,7 +16,7 @@ struct LoadOptions {
   double unitScale = 1.0;                   // m per unit of the file
   bool allMovable = false;                  // every part with a mesh becomes movable
   std::vector<std::string> movable;         // parts that become movable, by name
-  double density = 2700.0;                  // kg/m^3, for the mass of parts that state none
+  double density = 2700.0;                  // kg/m^3, for parts that state neither mass nor density
   double creaseAngle = 0.5235987755982988;  // rad; sharper edges are kEdgeSharp
   bool normals = true;                      // the file's normals are read, and felt
   glm::dvec3 gravity{0.0, 0.0, 0.0};        // m/s^2; zero leaves it to the file, which by default has none

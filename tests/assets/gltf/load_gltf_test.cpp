@@ -322,6 +322,26 @@ TEST(LoadGltf, MakesNamedPartsMovableWithMassFromDensity) {
   EXPECT_NEAR(scene.parts[0].massProperties.inertia[0][0], 6000.0 / 12.0 * (4 + 9), 1e-6);
 }
 
+TEST(LoadGltf, TakesTheDensityOfANodeOrOfTheNearestAboveIt) {
+  const auto density = [](Json value) { return Json{{"cad", {{"density", std::move(value)}}}}; };
+  GltfBuilder b;
+  const int box = b.addBox(1, 2, 3);
+  const int own = b.addOrphan({{"name", "steel"}, {"mesh", box}, {"extras", density(7850.0)}});
+  const int above = b.addOrphan({{"name", "brass"}, {"mesh", box}});
+  b.addNode({{"children", {own, above}}, {"extras", density(8500.0)}});
+  for (const Json& none : {Json("heavy"), Json(-1.0), Json(1e300), Json(nullptr)})
+    b.addNode({{"name", "none"}, {"mesh", box}, {"extras", density(none)}});
+  LoadOptions options;
+  options.allMovable = true;
+  const Scene scene = loadedFrom(b, options);
+  ASSERT_EQ(scene.parts.size(), 6u);
+  for (const Part& part : scene.parts) {
+    const double stated = part.name == "steel" ? 7850.0 : part.name == "brass" ? 8500.0 : options.density;
+    EXPECT_NEAR(part.massProperties.mass, 6.0 * stated, 1e-6) << part.name;
+    EXPECT_NEAR(part.massProperties.inertia[0][0], 6.0 * stated / 12.0 * (4 + 9), 1e-6) << part.name;
+  }
+}
+
 TEST(LoadGltf, NamesNearPartsWhenAMovableOneDoesNotExist) {
   LoadOptions options;
   options.movable = {"bax"};
