@@ -107,7 +107,8 @@ void StateRelay::onPing(Peer& peer, const sync::Ping& ping) {
     return;
   }
   // Whatever is answered renews, for the pong renews the site's own lease (S3). A site pings once it is
-  // ready; its Ready goes by TLS, where it may wait for what was lost before it, and the ping may overtake it.
+  // ready; its Ready goes by TLS, where it may wait for what was lost before it, so that the ping overtakes
+  // it.
   parts_.renew(peer.site);
   sync::encodeState(sync::Pong{ping.sequence, ping.siteTime, context_.now(), peer.states.updatesIn}, frame_,
                     encoded_);
