@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <map>
 
 #include "assets/base/affine.h"
 #include "assets/base/parallel.h"
 #include "assets/gltf/foreign_file.h"
+#include "assets/gltf/gltf_cad.h"
 #include "assets/gltf/gltf_controls.h"
 #include "assets/gltf/gltf_decode.h"
 #include "assets/gltf/gltf_fields.h"
@@ -43,8 +45,20 @@ struct Analysed {
   MeshAnalysis analysis;
   GeometryNotes notes;
   bool hasTriangles = false;
-  MassProperties solid;  // at LoadOptions::density; only filled where a movable part uses it
+  RoundFaces rounds;                   // exact cylinders that the file states
+  RoundedMesh rounded;                 // without its soup
+  std::uint64_t damagedCylinders = 0;  // of the file
+  MassProperties solid;                // at LoadOptions::density; only filled where a movable part uses it
 };
+
+/// Whether a mesh whose facets were cut has no defect that it did not have before.
+bool isAsSound(const MeshAnalysis& cut, const Mesh& before) {
+  const MeshDefects& d = cut.defects;
+  return d.duplicateVertices + d.degenerateFaces + d.duplicateFaces + d.flippedFaces + d.tJunctions +
+                 d.invertedShells ==
+             0 &&
+         cut.mesh.closed == before.closed && cut.mesh.shellCount == before.shellCount;
+}
 
 class SceneBuilder {
  public:
@@ -93,6 +107,7 @@ class SceneBuilder {
     std::vector<bool> needsMass(meshes_.size(), false);
     for (const PartPlan& part : plan_.parts)
       if (part.geometry != kNone && wantsMovable(part)) needsMass[part.geometry] = true;
+    planRounds(needsMass);
     // The largest mesh comes first, so that no core begins it last.
     std::vector<std::size_t> order(meshes_.size()), size(meshes_.size(), 0);
     for (std::size_t i = 0; i < order.size(); ++i) {
@@ -106,7 +121,9 @@ class SceneBuilder {
       TriangleSoup soup = readGeometry(document_, plan_.geometries[g], meshes_[g].notes);
       if (soup.triangles.empty()) return;
       if (!options_.normals) soup.triangleNormal.clear();
+      const double rounding = soup.rounding;
       meshes_[g].analysis = analyseMesh(std::move(soup), options_.creaseAngle);
+      cutRounds(meshes_[g], rounding);
       meshes_[g].hasTriangles = !meshes_[g].analysis.mesh.triangles.empty();
       if (needsMass[g] && meshes_[g].hasTriangles)
         meshes_[g].solid = massProperties(meshes_[g].analysis.mesh, options_.density);
@@ -115,6 +132,33 @@ class SceneBuilder {
       if (options_.progress)
         options_.progress(0.1 + 0.85 * double(i) / double(order.size()), "reading meshes");
     });
+  }
+
+  /// Reads the exact cylinders of the file, of which those of fits are felt in place of their facets.
+  void planRounds(const std::vector<bool>& movable) {
+    const bool any = std::find(movable.begin(), movable.end(), true) != movable.end();
+    if (!any || !options_.normals) return;
+    std::vector<RoundFaces> rounds(meshes_.size());
+    for (std::size_t g = 0; g < meshes_.size(); ++g) {
+      rounds[g] = readRoundFaces(document_, plan_.geometries[g], meshes_[g].damagedCylinders);
+      rounds[g].movable = movable[g];
+    }
+    planFits(rounds);
+    for (std::size_t g = 0; g < meshes_.size(); ++g) meshes_[g].rounds = std::move(rounds[g]);
+  }
+
+  void cutRounds(Analysed& mesh, double rounding) const {
+    if (mesh.rounds.faces.empty()) return;
+    mesh.rounded = roundFaces(mesh.analysis.mesh, mesh.rounds, rounding);
+    TriangleSoup soup = std::move(mesh.rounded.soup);
+    mesh.rounded.soup = {};
+    if (soup.triangles.empty()) return;
+    MeshAnalysis cut = analyseMesh(std::move(soup), options_.creaseAngle);
+    if (isAsSound(cut, mesh.analysis.mesh)) {
+      mesh.analysis.mesh = std::move(cut.mesh);
+    } else {
+      mesh.rounded.felt = 0;
+    }
   }
 
   void addSurfaces() {
@@ -309,9 +353,21 @@ class SceneBuilder {
     for (std::size_t i = 0; i < meshes_.size(); ++i) addMeshFindings(meshes_[i], whereOf_[i]);
   }
 
+  static std::string feltText(const RoundedMesh& rounded) {
+    char text[120];
+    std::snprintf(text, sizeof text,
+                  "Cylinders of fits are felt as the file states them, to %.2g um, not as its facets.",
+                  1e6 * rounded.sag);
+    return text;
+  }
+
   void addMeshFindings(const Analysed& mesh, const std::string& where) {
     using Severity = Finding::Severity;
     const MeshDefects& d = mesh.analysis.defects;
+    addFinding(Severity::note, "exact-fits", where, mesh.rounded.felt, feltText(mesh.rounded));
+    addFinding(
+        Severity::warning, "unbelieved-cylinders", where, mesh.rounded.unbelieved + mesh.damagedCylinders,
+        "Exact cylinders of extras.cad are damaged or do not lie on their facets; the facets are felt.");
     addFinding(Severity::note, "points-and-lines", where, mesh.notes.pointsAndLines,
                "Primitives of points or lines are not felt.");
     addFinding(Severity::warning, "incomplete-triangles", where, mesh.notes.incompleteTriangles,

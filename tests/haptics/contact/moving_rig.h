@@ -22,8 +22,9 @@ class MovingRig {
   using Kind = haptics::PartCommand::Kind;
 
   /// Gravity in m/s^2. The scene's parts are not owned yet.
-  explicit MovingRig(assets::Scene given, const glm::dvec3& gravity = glm::dvec3(0.0))
-      : scene_(std::move(given)), contact_(modelled(scene_)), state_(contact_) {
+  explicit MovingRig(assets::Scene given, const glm::dvec3& gravity = glm::dvec3(0.0),
+                     double fieldScale = 1.0)
+      : scene_(std::move(given)), contact_(modelled(scene_, fieldScale)), state_(contact_) {
     parameters.graspStiffness = 1000.0;
     parameters.forceLimit = parameters.torqueLimit = 1e6;
     parameters.gravity = gravity;
@@ -105,9 +106,11 @@ class MovingRig {
   std::vector<haptics::PartMotion> moved;  // by others, in every tick
 
  private:
-  static haptics::ContactScene modelled(const assets::Scene& scene) {
+  static haptics::ContactScene modelled(const assets::Scene& scene, double fieldScale) {
     haptics::ContactScene contact(scene, 1);
-    contact.modelParts();
+    haptics::ModelOptions options;
+    options.fieldScale = fieldScale;
+    contact.modelParts(options);
     return contact;
   }
 

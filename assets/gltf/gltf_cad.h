@@ -1,0 +1,20 @@
+#pragma once
+
+// The exact cylinders of faces that extras.cad of meshes states, see assets/cad_import. For the loader's
+// sources only.
+
+#include <cstdint>
+#include <vector>
+
+#include "assets/gltf/gltf_document.h"
+#include "assets/gltf/gltf_geometry.h"
+#include "assets/mesh/round_faces.h"
+
+namespace tandem::assets {
+
+/// Those of all pieces of a part, in its frame. `damaged` grows by the faces that cannot be read, and by
+/// those that a piece scales or shears out of round; none of them refuses the file.
+RoundFaces readRoundFaces(const GltfDocument& document, const std::vector<MeshPiece>& pieces,
+                          std::uint64_t& damaged);
+
+}  // namespace tandem::assets
