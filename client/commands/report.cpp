@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "assets/base/allocation_counter.h"
@@ -21,7 +22,8 @@ namespace {
 
 struct Arguments {
   std::string out = "report.html", json, peers;
-  std::vector<std::string> scenes;
+  std::vector<std::string> scenes, models;
+  int strokes = 0;
   bool quick = false, thoroughLinks = false, noPeers = false;
 };
 
@@ -42,6 +44,20 @@ Status knownScenes(const std::vector<std::string>& scenes) {
     for (const report::ExperimentInfo& info : all) names += " " + info.id;
     return Error{"--scenes " + scene + ": there is no such scene; there are:" + names};
   }
+  return {};
+}
+
+Status loadModels(const Arguments& arguments, report::SweepOptions& options) {
+  for (const std::string& path : arguments.models) {
+    SceneArguments file;
+    file.path = path;
+    Result<assets::Scene> scene = loadScene(file);
+    if (!scene) return Error{"--models " + path + ": " + scene.error().message};
+    if (assets::triangleCount(*scene) == 0) return Error{"--models " + path + ": has no triangles"};
+    options.models.push_back({std::filesystem::path(path).filename().string(),
+                              std::make_shared<const assets::Scene>(std::move(*scene))});
+  }
+  options.strokes = arguments.strokes;
   return {};
 }
 
@@ -79,6 +95,11 @@ void printPresses(const report::SweepResult& result) {
 
 void printSummary(const report::SweepResult& result) {
   if (!result.links.empty()) printLinks(result);
+  for (const report::StrokeResult& e : result.strokes)
+    for (const report::StrokeMeasurement& m : e.settings)
+      std::printf(
+          "%s, %s: %d of %d strokes go where no ball does, %d into a part; tick %.2f us p50, %.2f us p99\n",
+          e.model.c_str(), m.name.c_str(), m.fallen, e.strokes, m.inside, m.cost.p50, m.cost.p99);
   if (!result.presses.empty()) printPresses(result);
   if (result.experiments.empty() && result.held.empty()) return;
   std::printf("%-44s %9s %9s %11s %9s\n", "Tandem", "p50 us", "p99 us", "error p99 N", "build ms");
@@ -110,6 +131,7 @@ int run(const Arguments& arguments) {
   options.quick = arguments.quick;
   options.thoroughLinks = arguments.thoroughLinks;
   options.only = arguments.scenes;
+  if (Status loaded = loadModels(arguments, options); !loaded) return badInput(loaded.error());
   options.allocations = &allocationsOfThisThread;
   options.progress = [](std::size_t done, std::size_t all, const report::ExperimentInfo& info) {
     std::fprintf(stderr, "%2zu of %zu: %s\n", done + 1, all, info.title.c_str());
@@ -149,6 +171,12 @@ void addReport(assets::CommandLine& program, int& exitCode) {
   command.option("--json", arguments->json, "Write the figures to this file too");
   command.option("--scenes", arguments->scenes,
                  "Only these scenes, by id (sphere-1k, gear-100k, plane, ...) [all]");
+  command.option(
+      "--models", arguments->models,
+      "Draw a point through these glTF files at random, and count where it goes though no ball does "
+      "[none]");
+  command.option("--strokes", arguments->strokes, "Strokes through each model [200; 20 with --quick]")
+      .integerFrom(0, 1'000'000);
   command.option("--peers", arguments->peers,
                  "Program that measures other libraries on the same scenes [bench_peers beside this "
                  "program, if it is there]");

@@ -9,6 +9,7 @@
 #include "client/report/link_page.h"
 #include "client/report/part_page.h"
 #include "client/report/press_page.h"
+#include "client/report/stroke_page.h"
 #include "client/report/targets.h"
 
 namespace tandem::client::report {
@@ -420,6 +421,7 @@ std::vector<Bound> boundsOf(const SweepResult& result) {
   }
   for (const PartExperimentResult& e : result.held) partBounds(e, bounds, counted, allocations);
   for (const PressResult& e : result.presses) pressBounds(e, bounds, counted, allocations);
+  for (const StrokeResult& e : result.strokes) strokeBounds(e, bounds);
   for (const LinkExperimentResult& e : result.links) linkBounds(e, bounds);
   if (gears) bounds.push_back({"gears: error of the force, p99, share of it", "", gear, 1e-4});
   if (exactSteps)
@@ -447,6 +449,7 @@ std::string htmlPage(const SweepResult& result, const std::string& json) {
     done.push_back(e.info.family);
     html += familySection(result, e.info.family);
   }
+  html += strokeSection(result.strokes);
   html += partSection(result) + pressSection(result) + manifoldSection(result) + linkSection(result);
   const std::string bars = buildBars(result);
   if (!bars.empty())

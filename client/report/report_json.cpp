@@ -6,6 +6,7 @@
 #include "client/report/link_json.h"
 #include "client/report/measurement_json.h"
 #include "client/report/part_json.h"
+#include "client/report/stroke_page.h"
 
 namespace tandem::client::report {
 namespace {
@@ -69,6 +70,8 @@ std::string toJson(const SweepResult& result) {
   for (const PartExperimentResult& e : result.held) json["held"].push(partExperimentJson(e));
   json["presses"] = Json::array();
   for (const PressResult& e : result.presses) json["presses"].push(pressJson(e));
+  json["strokes"] = Json::array();
+  for (const StrokeResult& e : result.strokes) json["strokes"].push(strokeJson(e));
   json["links"] = Json::array();
   for (const LinkExperimentResult& e : result.links) json["links"].push(linkExperimentJson(e));
   json["figures"] = Json::array();

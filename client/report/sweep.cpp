@@ -24,6 +24,8 @@ using Clock = std::chrono::steady_clock;
 // rad: far above the angle between facets of a sphere of 1000 triangles, and between those of a scan
 constexpr double kSmoothBelow = 0.6;
 
+constexpr int kStrokes = 200, kQuickStrokes = 20;  // through a model
+
 double microseconds(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double, std::micro>(to - from).count();
 }
@@ -249,7 +251,7 @@ SweepResult sweep(const SweepOptions& options) {
                                     held = chosenPartExperiments(options),
                                     presses = chosenPressExperiments(options),
                                     links = chosenLinkExperiments(options);
-  const std::size_t all = chosen.size() + held.size() + presses.size() + links.size();
+  const std::size_t all = chosen.size() + held.size() + presses.size() + links.size() + options.models.size();
   std::size_t done = 0;
   const auto next = [&](const ExperimentInfo& info) {
     if (options.progress) options.progress(done, all, info);
@@ -280,6 +282,14 @@ SweepResult sweep(const SweepOptions& options) {
   for (const ExperimentInfo& info : links) {
     next(info);
     result.links.push_back(sweepLinks(info, options));
+  }
+  for (const StrokedModel& model : options.models) {
+    ExperimentInfo info;
+    info.title = "Strokes through " + model.name;
+    next(info);
+    const int usual = options.quick ? kQuickStrokes : kStrokes;
+    result.strokes.push_back(
+        sweepStrokes(model, options.strokes > 0 ? options.strokes : usual, runsOf(options)));
   }
   if (options.only.empty()) result.figures = measureFigures(options.quick);
   return result;

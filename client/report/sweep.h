@@ -13,6 +13,7 @@
 #include "client/report/link_measurement.h"
 #include "client/report/measurement.h"
 #include "client/report/part_measurement.h"
+#include "client/report/stroke_sweep.h"
 
 namespace tandem::client::report {
 
@@ -21,6 +22,8 @@ struct SweepOptions {
   bool thoroughLinks =
       false;  // across the network: three seeds, and a search of the best gains of the rivals
   std::vector<std::string> only;  // ids of experiments; empty: all (of --quick, if set)
+  std::vector<StrokedModel> models;
+  int strokes = 0;  // through each model; 0: 20 with `quick`, else 200
   /// Returns the heap allocations of this thread so far; null where they are not counted.
   std::uint64_t (*allocations)() = nullptr;
   /// Called before each experiment: experiments done, number of all, and the next one.
@@ -75,6 +78,7 @@ struct SweepResult {
   std::vector<ExperimentResult> experiments;
   std::vector<PartExperimentResult> held;
   std::vector<PressResult> presses;
+  std::vector<StrokeResult> strokes;
   std::vector<LinkExperimentResult> links;
   std::vector<Figure> figures;     // empty where single experiments were asked for
   std::vector<std::string> peers;  // the libraries that were measured, with versions

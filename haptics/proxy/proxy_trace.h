@@ -1,7 +1,7 @@
 #pragma once
 
-// The path of the proxy within a tick, for tests: whether a ball could have gone the same way cannot be seen
-// from where the proxy is at the ends of ticks.
+// The path of the proxy within a tick, for tests and reports: whether a ball could have gone the same way
+// cannot be seen from where the proxy is at the ends of ticks.
 
 #include <vector>
 
@@ -15,7 +15,7 @@ struct ProxyMove {
 };
 
 /// Receives every move of this thread's proxies, those included that are taken back in the same tick. A test
-/// sets it; in the programs it stays null, so that moves are not recorded and nothing is allocated.
+/// or a report sets it; at a hand it stays null, so that moves are not recorded and nothing is allocated.
 inline constinit thread_local std::vector<ProxyMove>* proxyTrace = nullptr;
 
 }  // namespace tandem::haptics

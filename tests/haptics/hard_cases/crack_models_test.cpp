@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "assets/gltf/load_gltf.h"
+#include "haptics/measure/path_clearance.h"
 #include "haptics/proxy/proxy_trace.h"
 #include "haptics/tick_data.h"
 #include "tests/haptics/hard_cases/hard_case.h"
-#include "tests/haptics/hard_cases/path_clearance.h"
 #include "tests/support/full_size.h"
 #include "tests/support/random_numbers.h"
 #include "tests/support/winding_number.h"
@@ -21,6 +21,7 @@
 namespace tandem::test {
 namespace {
 
+using haptics::PathClearance;
 using Random = std::mt19937_64;
 
 glm::dvec3 within(Random& random, const assets::Bounds& box, double share) {
