@@ -170,7 +170,9 @@ void CandidateRows::addPlanes(std::uint32_t i, const glm::vec3& place, const Sam
       arm = query_.arm(lowest);
       gap += static_cast<float>(glm::dot(up, lowest - patch->sample()));
     }
-    addPlane(query_.world(normal), arm, gap, query_.source(i));
+    // What rests on the plane obeys it as it will obey the exact row, so that it is not queried in vain.
+    const auto demanded = static_cast<float>(query_.corrected(static_cast<double>(gap)));
+    addPlane(query_.world(normal), arm, demanded, query_.source(i));
   }
 }
 

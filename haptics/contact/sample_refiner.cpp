@@ -280,11 +280,9 @@ void SampleRefiner::addRows(const SideQuery& query, const ContactSample& sample,
     row.arm = transformPoint(query.worldFromTo, plane.point) - query.first().centre;
     if (query.isCut(glm::vec3(row.arm))) continue;
     // Position correction: the part moves out at most by the distance to the surface, at the speed of what
-    // pushes it in and beyond that by a few tolerances a step. Of a penetration all but one tolerance is
-    // corrected in a step, of a small one a fifth a step (a Baumgarte stabilisation).
-    const double gap = std::max(plane.gap, -found.distance) + allowed;
-    row.gap =
-        std::max(gap + std::clamp(-0.8 * gap, 0.0, tolerance), -island_.push() - kTolerancesOut * tolerance);
+    // pushes it in and beyond that by a few tolerances a step.
+    const double gap = query.corrected(std::max(plane.gap, -found.distance) + allowed);
+    row.gap = std::max(gap, -island_.push() - kTolerancesOut * tolerance);
     row.staticFriction = 0.5 * (mine.staticFriction + its.staticFriction);
     row.dynamicFriction = 0.5 * (mine.dynamicFriction + its.dynamicFriction);
     row.source = source;
