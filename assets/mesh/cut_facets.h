@@ -43,6 +43,7 @@ class FacetCutter {
   bool addFlat(std::size_t triangle);
 
   std::size_t size() const { return out_.triangles.size(); }
+  std::size_t points() const { return out_.positions.size(); }
   TriangleSoup finish() { return std::move(out_); }
 
  private:

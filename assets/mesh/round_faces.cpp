@@ -268,8 +268,10 @@ class Rounder {
 
   TriangleSoup cut(std::vector<std::uint32_t>& failed) const {
     FacetCutter cutter(mesh_, rounding_);
-    for (std::size_t t = 0; t < owner_.size(); ++t)
+    for (std::size_t t = 0; t < owner_.size(); ++t) {
       for (std::size_t e = 0; owner_[t] != kNone && e < 3; ++e) cutEdge(cutter, t, e);
+      if (cutter.points() > mesh_.positions.size() + rounds_.most) return allUnsound(failed);
+    }
     std::map<std::uint32_t, bool> unsound;
     for (std::size_t t = 0; t < owner_.size(); ++t) {
       if (owner_[t] != kNone) {

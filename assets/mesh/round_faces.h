@@ -27,7 +27,7 @@ struct RoundFace {
 struct RoundFaces {
   std::vector<RoundFace> faces;
   std::vector<int> segments;  // one a face, of a whole turn; 0: its own facets will do. See planFits()
-  std::size_t most = 0;       // triangles that cutting may add; see planFits()
+  std::size_t most = 0;       // triangles, and corners, that cutting may add; see planFits()
   bool movable = false;       // some part of this mesh is
 };
 

@@ -141,6 +141,19 @@ TEST(ExactCylinders, ThatLieOrAreDamagedLeaveTheFacets) {
   }
 }
 
+TEST(ExactCylinders, ThatWouldTakeTooManyCornersLeaveTheFacets) {
+  const Scene plain = loadedFit(exactFitFile({.exact = false}));
+  RoundFaces rounds;
+  rounds.faces.push_back({{0, 0, 0}, {0, 0, 1}, kRadius, -0.005, 0.002, false});
+  rounds.segments.push_back(kWanted);
+  rounds.most = 100;
+  const RoundedMesh kept = roundFaces(plain.meshes[0], rounds, 0.0);
+  EXPECT_TRUE(kept.soup.triangles.empty());
+  EXPECT_EQ(kept.felt, 0u);
+  rounds.most = 10'000;
+  EXPECT_EQ(roundFaces(plain.meshes[0], rounds, 0.0).felt, 1u);
+}
+
 TEST(ExactCylinders, OfAPrismOfFewSidesAreNotBelieved) {
   const Scene scene = loadedFit(exactFitFile({.segments = 8}));
   EXPECT_EQ(findingOf(scene, "exact-fits"), nullptr);
