@@ -43,10 +43,12 @@ inline tests::GltfBuilder exactFitFile(const ExactFit& fit = {}) {
       "block");
   if (!fit.exact) return file;
   auto& meshes = file.json["meshes"];
-  meshes[0]["extras"]["cad"]["faces"] = {
-      statedCylinder(unit * fit.radius, false, unit * (low + 0.001), unit * 0.002)};
-  meshes[1]["extras"]["cad"]["faces"] = {
-      statedCylinder(unit * (fit.radius + fit.play), true, -unit * fit.height, 0.0)};
+  // One element in braces is an array to one compiler and a copy of it to another.
+  using Json = tests::GltfBuilder::Json;
+  meshes[0]["extras"]["cad"]["faces"] =
+      Json::array({statedCylinder(unit * fit.radius, false, unit * (low + 0.001), unit * 0.002)});
+  meshes[1]["extras"]["cad"]["faces"] =
+      Json::array({statedCylinder(unit * (fit.radius + fit.play), true, -unit * fit.height, 0.0)});
   return file;
 }
 
