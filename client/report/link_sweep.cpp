@@ -1,6 +1,5 @@
 #include "client/report/link_sweep.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -153,12 +152,7 @@ std::vector<ExperimentInfo> allLinkExperiments() {
 }
 
 std::vector<ExperimentInfo> chosenLinkExperiments(const SweepOptions& options) {
-  std::vector<ExperimentInfo> chosen;
-  for (const ExperimentInfo& info : allLinkExperiments()) {
-    const bool named = std::find(options.only.begin(), options.only.end(), info.id) != options.only.end();
-    if (options.only.empty() ? !options.quick || info.quick : named) chosen.push_back(info);
-  }
-  return chosen;
+  return chosenOf(allLinkExperiments(), options);
 }
 
 SpringGains knownGains(Architecture architecture, double delay) {

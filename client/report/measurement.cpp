@@ -45,11 +45,6 @@ std::vector<double> leastOf(const std::vector<Samples>& runs) {
   return least;
 }
 
-Cost costOf(const std::vector<double>& least, const std::vector<double>& single) {
-  const Percentiles p = percentiles(least);
-  return {p.p50, p.p99, p.max, percentiles(single).p99};
-}
-
 /// The cost of the ticks in free space after the first contact.
 Cost hoveringCost(const std::vector<glm::dvec3>& exact, const std::vector<double>& least,
                   const std::vector<double>& single) {
@@ -65,6 +60,11 @@ Cost hoveringCost(const std::vector<glm::dvec3>& exact, const std::vector<double
 }
 
 }  // namespace
+
+Cost costOf(const std::vector<double>& least, const std::vector<double>& single) {
+  const Percentiles p = percentiles(least);
+  return {p.p50, p.p99, p.max, percentiles(single).p99};
+}
 
 void judge(const Experiment& experiment, const std::vector<Samples>& runs, Measurement& out) {
   const std::size_t ticks = experiment.path.size();

@@ -18,6 +18,8 @@ namespace tandem::client::report {
 struct Cost {
   double p50 = 0.0, p99 = 0.0, max = 0.0, p99Single = 0.0;
 };
+/// `least` of several runs and `single` of the first one, a tick each, us. Neither may be empty.
+Cost costOf(const std::vector<double>& least, const std::vector<double>& single);
 
 /// Distance of the force from the exact one.
 struct ForceError {

@@ -39,8 +39,7 @@ void judgeCost(const std::vector<std::vector<PartSample>>& runs, PartMeasurement
     active.push_back({first.active, least.back()});
     solved.push_back({first.solved, least.back()});
   }
-  const Percentiles p = percentiles(least);
-  out.cost = {p.p50, p.p99, p.max, percentiles(single).p99};
+  out.cost = costOf(least, single);
   out.active = manifoldBins(active);
   out.solved = manifoldBins(solved);
 }

@@ -194,12 +194,7 @@ void measureTick(const PartExperiment& experiment, const haptics::ContactScene& 
 }
 
 std::vector<ExperimentInfo> chosenPartExperiments(const SweepOptions& options) {
-  std::vector<ExperimentInfo> chosen;
-  for (const ExperimentInfo& info : allPartExperiments())
-    if (options.only.empty() ||
-        std::find(options.only.begin(), options.only.end(), info.id) != options.only.end())
-      chosen.push_back(info);
-  return chosen;
+  return chosenOf(allPartExperiments(), options);
 }
 
 int partTicksOf(const SweepOptions& options) { return options.quick ? 800 : 2000; }

@@ -91,12 +91,7 @@ class PressRun {
 }  // namespace
 
 std::vector<ExperimentInfo> chosenPressExperiments(const SweepOptions& options) {
-  std::vector<ExperimentInfo> chosen;
-  for (const ExperimentInfo& info : allPressExperiments())
-    if (options.only.empty() ||
-        std::find(options.only.begin(), options.only.end(), info.id) != options.only.end())
-      chosen.push_back(info);
-  return chosen;
+  return chosenOf(allPressExperiments(), options);
 }
 
 PressResult sweepPresses(const ExperimentInfo& info, const SweepOptions& options) {

@@ -10,9 +10,9 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
-#include "assets/base/constants.h"
-#include "assets/base/percentiles.h"
 #include "client/report/bare_spring.h"
+#include "client/report/measurement.h"
+#include "haptics/geometry/winding_tree.h"
 #include "haptics/measure/path_clearance.h"
 #include "haptics/proxy/proxy_trace.h"
 #include "haptics/scene/contact_scene.h"
@@ -118,16 +118,12 @@ bool ballReaches(const haptics::PathClearance& clearance, const std::vector<hapt
   return isReached(to);
 }
 
-/// The winding number of a mesh around p (van Oosterom & Strackee 1983), asked of every triangle.
+/// The winding number of a mesh around p, asked of every triangle.
 double windingNumber(const assets::Mesh& mesh, const glm::dvec3& p) {
   double sum = 0.0;
-  for (const auto& t : mesh.triangles) {
-    const glm::dvec3 a = mesh.positions[t[0]] - p, b = mesh.positions[t[1]] - p, c = mesh.positions[t[2]] - p;
-    const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
-    sum += std::atan2(glm::dot(a, glm::cross(b, c)),
-                      la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
-  }
-  return sum / (2.0 * kPi);
+  for (const auto& t : mesh.triangles)
+    sum += haptics::windingOfTriangle(p, {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]});
+  return sum;
 }
 
 bool isInAPart(const assets::Scene& scene, const glm::dvec3& at) {
@@ -182,8 +178,7 @@ Cost timed(const haptics::ContactScene& contact, const Strokes& strokes, int run
       }
     }
   }
-  const Percentiles p = percentiles(least);
-  return {p.p50, p.p99, p.max, percentiles(single).p99};
+  return costOf(least, single);
 }
 
 }  // namespace

@@ -84,6 +84,9 @@ struct SweepResult {
   std::vector<std::string> peers;  // the libraries that were measured, with versions
 };
 
+/// Those of `all` that the options ask for.
+std::vector<ExperimentInfo> chosenOf(const std::vector<ExperimentInfo>& all, const SweepOptions& options);
+
 /// The experiments that the options ask for, in the report's order.
 std::vector<ExperimentInfo> chosenExperiments(const SweepOptions& options);
 
