@@ -96,6 +96,7 @@ struct Peer {
   DocumentProgress document;
   bool doubtsOwed = true;         // it has not heard who doubts whom; see server/doubts.h
   bool presentationsOwed = true;  // it has not heard what all show; see server/presentations.h
+  bool saidOwed = true;           // it has not heard what was said before; see server/chat.h
 };
 
 class Peers {

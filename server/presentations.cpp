@@ -67,22 +67,6 @@ void Presentations::takeOver(SiteId by) {
   ended.newest.endSharing();
 }
 
-void Presentations::onSay(const Peer& peer, const sync::Say& said) {
-  ASSERT(peer.stage == Stage::ready);
-  const bool sound =
-      !said.text.empty() && std::all_of(said.parts.begin(), said.parts.end(),
-                                        [&](PartId part) { return part == kNoPart || part < partCount_; });
-  if (!shown_[peer.site].sayRate.spend(context_.now()) || peer.role == Role::observer || !sound) {
-    ++context_.counts.droppedSays;
-    return;
-  }
-  sync::Say told = said;
-  told.site = peer.site;
-  const std::vector<std::byte> bytes = sync::encodeControl(told);
-  for (const auto& [connection, other] : peers_)
-    if (other.stage == Stage::ready) send(other, bytes);
-}
-
 /// A site without a connection shows nothing.
 void Presentations::endLost() {
   if (std::exchange(peerChanges_, peers_.changes()) == peers_.changes()) return;

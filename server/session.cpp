@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "assets/base/assert.h"
+#include "server/chat.h"
 #include "server/document_service.h"
 #include "server/doubts.h"
 #include "server/fan_out.h"
@@ -65,6 +66,7 @@ class Session::Dispatcher {
         transfer(package, config, context, transport, publisher),
         documents(config, context, transport, sites, publisher),
         presentations(scene.parts.size(), context, transport, peers, sites),
+        chat(scene.parts.size(), context, transport, peers, sites, publisher),
         doubts(context, transport, peers, sites),
         admission({config, context, transport, peers, sites, publisher, parts, relay, transfer}),
         operators(context, peers, sites, publisher, admission) {}
@@ -88,6 +90,7 @@ class Session::Dispatcher {
   SceneTransfer transfer;
   DocumentService documents;
   Presentations presentations;
+  Chat chat;
   Doubts doubts;
   SiteAdmission admission;
   OperatorCommands operators;
@@ -116,6 +119,7 @@ void Session::Dispatcher::restore(sync::Micros callerNow, std::int64_t unixNow) 
   sites.restore(contents.sites, contents.lastSite, context.now());
   admission.restore(contents.nonces);
   documents.restore(contents);
+  chat.restore(contents);
   admission.relist();
   if (!publisher.recording()) return;
   for (const auto& site : sites.listed()) publisher.record(sync::SiteChanged{site});
@@ -136,6 +140,7 @@ void Session::Dispatcher::step(sync::Micros callerNow, std::int64_t unixNow) {
   transfer.sendChunks(peers);
   documents.sendChunks(peers);
   presentations.flush();
+  chat.flush();
   doubts.flush();
 }
 
@@ -256,7 +261,7 @@ void Session::Dispatcher::dispatch(Peer& peer, const sync::ControlMessage& messa
                  [&](const sync::PutEntry& m) { documents.onPut(peer, m); },
                  [&](const sync::DocumentRequest& m) { documents.onRequest(peer, m); },
                  [&](const sync::Presentation& m) { presentations.onPresentation(peer, m); },
-                 [&](const sync::Say& m) { presentations.onSay(peer, m); },
+                 [&](const sync::Say& m) { chat.onSay(peer, m); },
                  [&](const sync::Doubt& m) { doubts.onDoubt(peer, m); },
                  [&](const sync::Goodbye&) { admission.onGoodbye(peer); },
                  [&](const sync::SiteReport& m) {

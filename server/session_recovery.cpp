@@ -90,10 +90,13 @@ Status syncFile(const std::string& path) {
   return syncDirectoryOf(path);
 }
 
-/// How many entries of the document are kept, if there is one.
+/// How many entries of the document and lines of what was said are kept, if there are any.
 std::string entriesOf(const JournalContents& contents) {
-  if (contents.document.empty()) return {};
-  return ", " + std::to_string(contents.document.size()) + " entries of the document";
+  std::string words;
+  if (!contents.document.empty())
+    words += ", " + std::to_string(contents.document.size()) + " entries of the document";
+  if (!contents.said.empty()) words += ", " + std::to_string(contents.said.size()) + " lines of chat";
+  return words;
 }
 
 /// Writes a new session from what was salvaged.
@@ -113,6 +116,7 @@ Result<Report> renew(DataDirectory& directory, const Salvage& salvage, std::int6
     records.push_back(part);
   }
   for (const auto& [id, entry] : salvage.contents.document) records.push_back(DocumentRecord{entry, 0});
+  for (const auto& [slot, line] : salvage.contents.said) records.push_back(SaidRecord{line});
   const std::string path = directory.journalPath(), made = path + ".new";
   removeDatabase(made);
   Digest chain{};

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 
 namespace tandem::client {
 
@@ -38,6 +39,28 @@ std::string listed(const std::vector<std::string>& names) {
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i)
     text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+  return text;
+}
+
+std::string clockTime(std::int64_t unix, std::int64_t now) {
+  constexpr const char* kMonths[] = {"Jan", "Feb", "Mar", "Apr", "May", "Jun",
+                                     "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
+  const auto local = [](std::int64_t time) {
+    const auto seconds = static_cast<std::time_t>(time);
+    std::tm parts{};
+    ::localtime_r(&seconds, &parts);
+    return parts;
+  };
+  const std::tm then = local(unix), today = local(now);
+  char text[48];
+  if (then.tm_year != today.tm_year)
+    std::snprintf(text, sizeof text, "%d %s %d", then.tm_mday, kMonths[then.tm_mon % 12],
+                  1900 + then.tm_year);
+  else if (then.tm_yday != today.tm_yday)
+    std::snprintf(text, sizeof text, "%d %s %02d:%02d", then.tm_mday, kMonths[then.tm_mon % 12], then.tm_hour,
+                  then.tm_min);
+  else
+    std::snprintf(text, sizeof text, "%02d:%02d", then.tm_hour, then.tm_min);
   return text;
 }
 

@@ -3,6 +3,7 @@
 // Numbers as tables for people show them: few digits, no exponents, each with its unit.
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,10 @@ std::string readableBytes(std::size_t bytes);
 
 /// "Ada", "Ada and Ben", "Ada, Ben and Cid".
 std::string listed(const std::vector<std::string>& names);
+
+/// A Unix time in s by this machine's clock: "14:05", of another day than `now` "27 Nov 14:05", of another
+/// year "27 Nov 2025".
+std::string clockTime(std::int64_t unix, std::int64_t now);
 
 /// How stiffly the hands of co-holders are felt, and at which delay: "stiff (27 ms)"; empty if nobody shares
 /// the part.

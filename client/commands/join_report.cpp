@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "assets/base/json.h"
+#include "assets/base/utc_time.h"
 #include "client/base/tick_flags.h"
 #include "client/base/traffic_json.h"
 #include "client/session/document_words.h"
@@ -80,7 +81,11 @@ Json presentingJson(const ViewModel& model, const HeadlessView* view) {
                          {"part", partName(model, shown.pointedAt)},
                          {"place", {shown.place.x, shown.place.y, shown.place.z}}});
   json["said"] = Json::array();
-  for (const ChatLine& line : model.chat) json["said"].push({{"by", line.name}, {"text", line.said.text}});
+  for (const ChatLine& chat : model.chat)
+    json["said"].push({{"by", chat.line.name},
+                       {"text", chat.line.said.text},
+                       {"at", utcText(chat.line.at)},
+                       {"earlier", chat.earlier}});
   if (view == nullptr) return json;
   json["shares"] = sync::kSharesNames[static_cast<std::size_t>(view->shares())];
   json["follows"] = view->following().followsView()       ? "view"

@@ -2,16 +2,23 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <vector>
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/utc_time.h"
+#include "client/base/readable.h"
 #include "client/session/document_words.h"
 #include "client/session/holding_words.h"
+#include "client/session/said_parts.h"
 
 namespace tandem::client {
 
 namespace {
+
+constexpr std::size_t kEarlierLines = 10;  // of what was said before, that are printed
 
 std::string orDash(const std::string& text) { return text.empty() ? "-" : text; }
 
@@ -39,6 +46,7 @@ LiveTable::LiveTable(bool quiet) : quiet_(quiet), terminal_(isatty(STDOUT_FILENO
 
 void LiveTable::show(const ViewModel& model, double elapsed) {
   if (quiet_ || !model.scene) return;
+  printEarlier(model);
   if (!terminal_) printNews(model, elapsed);
   if (elapsed < next_) return;
   next_ = elapsed + (terminal_ ? 0.2 : 2.0);
@@ -98,6 +106,25 @@ void LiveTable::show(const ViewModel& model, double elapsed) {
     end();
   }
   std::fputs("\033[J", stdout);
+  std::fflush(stdout);
+}
+
+/// Prints the newest of the lines that were said before, once, above the table.
+void LiveTable::printEarlier(const ViewModel& model) {
+  std::vector<const ChatLine*> earlier;
+  for (const ChatLine& chat : model.chat)
+    if (chat.earlier && chat.number > printedChat_) earlier.push_back(&chat);
+  if (earlier.empty()) return;
+  printedChat_ = earlier.back()->number;
+  if (lines_ > 0) std::printf("\033[%dA\033[J", lines_);
+  lines_ = 0;
+  const std::size_t left = earlier.size() - std::min(earlier.size(), kEarlierLines);
+  if (left > 0) std::printf("(%zu lines were said before these)\n", left);
+  for (std::size_t i = left; i < earlier.size(); ++i) {
+    const sync::SaidLine& line = earlier[i]->line;
+    std::printf("%s  %s said: %s\n", clockTime(line.at, systemUnixTime()).c_str(), line.name.c_str(),
+                inWords(line.said).c_str());
+  }
   std::fflush(stdout);
 }
 

@@ -21,10 +21,12 @@ class LiveTable {
 
  private:
   void printDocument(const ViewModel& model, double elapsed);
+  void printEarlier(const ViewModel& model);
   void printNews(const ViewModel& model, double elapsed);
   bool quiet_, terminal_;
-  double next_ = 0.0;          // s since the start
-  std::uint64_t printed_ = 0;  // the number of the last notice that was printed
+  double next_ = 0.0;              // s since the start
+  std::uint64_t printed_ = 0;      // the number of the last notice that was printed
+  std::uint64_t printedChat_ = 0;  // the number of the last line of what was said before
   std::string printedFault_;
   std::uint64_t printedRevision_ = 0;  // of the document
   int lines_ = 0;

@@ -28,8 +28,7 @@ void SharedSession::exchange(ServerConnection& connection, std::size_t partCount
     }
     takeDocument(connection.document());
     toMain_.presenting = connection.presentations().view(partCount);
-    for (ChatLine& line : connection.presentations().drainChat())
-      if (toMain_.chat.size() < kMaxChatLines) toMain_.chat.push_back(std::move(line));
+    addChat(toMain_.chat, connection.presentations().drainChat());
     for (Notice& notice : connection.drainNotices()) toMain_.notices.push_back(std::move(notice));
     const TransportCounters before = toMain_.statistics.transport;
     toMain_.statistics = connection.statistics();
@@ -113,9 +112,7 @@ std::vector<Notice> SharedSession::read(ViewModel& model, std::size_t partCount)
   if (news.anew) document_.clear();
   for (const document::Entry& entry : news.entries) document_.put(entry);
   model.document = &document_;
-  std::move(chat.begin(), chat.end(), std::back_inserter(chat_));
-  if (chat_.size() > kMaxChatLines)
-    chat_.erase(chat_.begin(), chat_.end() - static_cast<std::ptrdiff_t>(kMaxChatLines));
+  addChat(chat_, std::move(chat));
   model.chat = chat_;
   return notices;
 }

@@ -66,11 +66,23 @@ void Presentations::tellOfChange(const Presentation& before, const Presentation&
         name + " has stopped " + (before.shares == Shares::view ? "presenting" : "sharing sections"));
 }
 
-void Presentations::handle(const Say& message) {
-  const std::string name = people_.nameOf(message.site);
-  if (chat_.size() < kMaxChatLines) chat_.push_back({++lines_, name, message});
-  if (message.site != people_.self())
-    people_.notice(Notice::Level::info, name + " says: " + inWords(message));
+bool Presentations::handle(const Said& message) {
+  std::uint64_t before = 0;
+  for (const SaidLine& line : message.lines) {
+    if (line.number <= before || line.said.text.empty() || line.site == kNoSite) return false;
+    before = line.number;
+  }
+  if (before == 0) return false;
+  std::vector<ChatLine> news;
+  for (const SaidLine& line : message.lines) {
+    if (message.earlier && line.number <= newest_) continue;
+    news.push_back({++lines_, message.earlier, line});
+    if (!message.earlier && line.site != people_.self())
+      people_.notice(Notice::Level::info, line.name + " says: " + inWords(line.said));
+  }
+  newest_ = message.earlier ? std::max(newest_, before) : before;
+  addChat(chat_, std::move(news));
+  return true;
 }
 
 std::vector<ChatLine> Presentations::drainChat() { return std::exchange(chat_, {}); }

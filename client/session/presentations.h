@@ -6,7 +6,9 @@
 // 1. What this person shows is sent when it has changed, at most once in kPeriod, and anew on every
 //    connection.
 // 2. What the server ends of it is not sent again until the person has stopped showing it.
-// 3. What names a part that the scene has not is shown without it.
+// 3. Of the lines that the server tells on a connection, those that this site has are left out. Only a line
+//    that is said now is a notice.
+// 4. What names a part that the scene has not is shown without it.
 //
 // Network thread; a step without news costs a comparison.
 
@@ -31,7 +33,8 @@ class Presentations {
   Presentations(Participants& people, MessageSender& sender) : people_(people), sender_(sender) {}
 
   void handle(const sync::Presentation& message);
-  void handle(const sync::Say& message);
+  /// False, and nothing is taken, if it is none that a server tells.
+  bool handle(const sync::Said& message);
   void forget(SiteId site);
 
   /// The site is in the session, on a new connection.
@@ -46,7 +49,7 @@ class Presentations {
 
   /// For a scene of so many parts.
   PresentingView view(std::size_t partCount) const;
-  /// What was said since the last call, oldest first.
+  /// What was said, or told of earlier lines, since the last call, oldest first.
   std::vector<ChatLine> drainChat();
 
  private:
@@ -65,8 +68,9 @@ class Presentations {
   sync::Micros nextAt_ = 0, nextSayAt_ = 0;  // local time
   std::deque<sync::Say> unsaid_;
   std::vector<ChatLine> chat_;
-  std::uint64_t lines_ = 0;
-  bool stopping_ = false;  // the server has ended what this person shares, who has not stopped yet
+  std::uint64_t lines_ = 0;   // of this site
+  std::uint64_t newest_ = 0;  // the server's number of the line that came last
+  bool stopping_ = false;     // the server has ended what this person shares, who has not stopped yet
 };
 
 }  // namespace tandem::client

@@ -3,21 +3,30 @@
 // What people show and say to each other, as a site's window or terminal gets it, and this person's part in
 // it on its way back.
 
+#include <cstddef>
 #include <cstdint>
-#include <string>
+#include <iterator>
+#include <utility>
 #include <vector>
 
+#include "sync/wire/limits.h"
 #include "sync/wire/presentation_messages.h"
 
 namespace tandem::client {
 
-/// A message to all, as it was said.
+/// A message to all.
 struct ChatLine {
   std::uint64_t number = 0;  // of this site's lines, from 1
-  std::string name;          // of who said it
-  sync::Say said;
+  bool earlier = false;      // it was said before this site came, or while it was away
+  sync::SaidLine line;
 };
-inline constexpr std::size_t kMaxChatLines = 100;  // that a site keeps
+
+/// Puts lines behind others, of which a site keeps the newest.
+inline void addChat(std::vector<ChatLine>& chat, std::vector<ChatLine> lines) {
+  std::move(lines.begin(), lines.end(), std::back_inserter(chat));
+  if (chat.size() > sync::kMaxSaidLines)
+    chat.erase(chat.begin(), chat.end() - static_cast<std::ptrdiff_t>(sync::kMaxSaidLines));
+}
 
 /// What others share and point at.
 struct PresentingView {

@@ -126,7 +126,7 @@ struct ViewModel {
   const document::Document* document = nullptr;  // the session's; null: there is none
   DocumentStanding documentStanding;
   PresentingView presenting;
-  std::vector<ChatLine> chat;   // oldest first, at most kMaxChatLines
+  std::vector<ChatLine> chat;   // oldest first, at most kMaxSaidLines
   std::vector<Notice> notices;  // newest last
   HandSettings settings;
   sync::Role role = sync::Role::observer;

@@ -119,7 +119,8 @@ void drawRight(const PanelContext& context, const Rect& rect) {
   section(context, "People", drawPeople);
   ChatUi& chat = context.ui.chat;
   if (!context.model.chat.empty() && !std::exchange(chat.opened, true)) ImGui::SetNextItemOpen(true);
-  if (!context.model.replay && context.model.sites.size() > 1) section(context, "Chat", drawChat, false);
+  const bool anybody = context.model.sites.size() > 1 || !context.model.chat.empty();
+  if (!context.model.replay && anybody) section(context, "Chat", drawChat, false);
   if (context.model.role != sync::Role::observer) section(context, "Hand", drawHand);
   if (context.model.scene && !context.model.scene->controls.empty())
     section(context, "Controls", drawControls);

@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "assets/base/utc_time.h"
+#include "client/base/readable.h"
 #include "client/picture/colours.h"
 #include "client/session/holding_words.h"
 #include "client/session/said_parts.h"
@@ -68,10 +70,16 @@ void partLink(const PanelContext& context, const SaidPiece& piece, int id) {
   ImGui::PopID();
 }
 
-void drawLine(const PanelContext& context, const ChatLine& line) {
-  const SiteView* site = findSite(context.model, line.said.site);
+/// A line with who said it; what was said before this site came has its time.
+void drawLine(const PanelContext& context, const ChatLine& chat) {
+  const sync::SaidLine& line = chat.line;
+  const SiteView* site = findSite(context.model, line.site);
   const glm::vec3 colour = site != nullptr ? srgb(site->info.colour) : glm::vec3(0.4f);
-  ImGui::PushID(static_cast<int>(line.number));
+  ImGui::PushID(static_cast<int>(chat.number));
+  if (chat.earlier) {
+    ImGui::TextColored(theme::kMuted, "%s  ", clockTime(line.at, systemUnixTime()).c_str());
+    ImGui::SameLine(0.0f, 0.0f);
+  }
   ImGui::TextColored(theme::colour(0.82f * colour), "%s  ", line.name.c_str());
   int id = 0;
   for (const SaidPiece& piece : piecesOf(line.said, *context.model.scene)) {

@@ -24,6 +24,8 @@ void apply(JournalContents& contents, const JournalRecord& record) {
     replace(contents.sites, *site, [&](const auto& other) { return other.info.site == site->info.site; });
   else if (const auto* nonce = std::get_if<UsedNonce>(&record))
     replace(contents.nonces, *nonce, [&](const auto& other) { return other.nonce == nonce->nonce; });
+  else if (const auto* said = std::get_if<SaidRecord>(&record))
+    contents.said.insert_or_assign(said->slot(), said->line);
   if (const auto* change = std::get_if<DocumentRecord>(&record)) {
     contents.document.insert_or_assign(change->entry.id, change->entry);
     contents.document.erase(change->forgotten);

@@ -1,7 +1,7 @@
 #pragma once
 
-// What must survive a crash of the server: epochs, owners, poses, sites, used tokens, the document.
-// Written before the reply that depends on it (S1, S7, S8).
+// What must survive a crash of the server: epochs, owners, poses, sites, used tokens, the document, what was
+// said. Written before the reply that depends on it (S1, S7, S8).
 //
 // One thread calls; a journal may write in a thread of its own. An append is durable once durableUpTo() has
 // reached its number; replies wait for that, the network thread does not.
@@ -13,8 +13,10 @@
 #include <vector>
 
 #include "assets/document/entry.h"
+#include "sync/wire/limits.h"
 #include "sync/wire/ownership_messages.h"
 #include "sync/wire/participant_messages.h"
+#include "sync/wire/presentation_messages.h"
 #include "sync/wire/time.h"
 
 namespace tandem::server {
@@ -36,7 +38,13 @@ struct DocumentRecord {
   document::Entry entry;
   document::EntryId forgotten = 0;  // a removed entry that is kept no longer; 0: none
 };
-using JournalRecord = std::variant<sync::PartRecord, SiteRecord, UsedNonce, DocumentRecord>;
+/// A line that somebody said. The newest kMaxSaidLines are kept: a line takes the place of the one that many
+/// before it.
+struct SaidRecord {
+  sync::SaidLine line;
+  std::uint64_t slot() const { return line.number % sync::kMaxSaidLines; }
+};
+using JournalRecord = std::variant<sync::PartRecord, SiteRecord, UsedNonce, DocumentRecord, SaidRecord>;
 
 /// Everything that a journal held when it was opened.
 struct JournalContents {
@@ -44,12 +52,14 @@ struct JournalContents {
   std::vector<SiteRecord> sites;
   std::vector<UsedNonce> nonces;
   std::map<document::EntryId, document::Entry> document;
-  sync::Micros sessionTime = 0;  // at least as late as any time given out before the crash
-  Epoch epochFloor = 0;          // at least as high as any epoch told that the records may have lost
-  SiteId lastSite = 0;           // at least as high as any number of a site that they may have lost
+  std::map<std::uint64_t, sync::SaidLine> said;  // by slot
+  sync::Micros sessionTime = 0;                  // at least as late as any time given out before the crash
+  Epoch epochFloor = 0;  // at least as high as any epoch told that the records may have lost
+  SiteId lastSite = 0;   // at least as high as any number of a site that they may have lost
 };
 
-/// Puts a record into what a journal holds: the latest of each part, site, nonce and entry wins.
+/// Puts a record into what a journal holds: the latest of each part, site, nonce, entry and
+/// slot wins.
 void apply(JournalContents& contents, const JournalRecord& record);
 
 class Journal {

@@ -32,6 +32,13 @@ void append(Bytes& bytes, const DocumentRecord& change) {
   bytes.text("entry").text({reinterpret_cast<const char*>(entry.data()), entry.size()});
 }
 
+void append(Bytes& bytes, const SaidRecord& said) {
+  const sync::SaidLine& line = said.line;
+  bytes.text("said").number(line.number).number(static_cast<std::uint64_t>(line.at)).number(line.site);
+  bytes.text(line.name).text(line.said.text).number(line.said.parts.size());
+  for (const PartId part : line.said.parts) bytes.number(part);
+}
+
 }  // namespace
 
 Digest digestOf(std::string_view bytes) {

@@ -19,43 +19,6 @@ namespace {
 constexpr const char* kApplicationId = "1414417741";  // "TNDM"
 constexpr std::uintmax_t kFrameBytes = 4096 + 24, kLogHeaderBytes = 32;
 
-/// The hash of a head: a link in the chain.
-Digest chainOf(const DatabaseHead& head) {
-  Bytes bytes;
-  bytes.text("head").digest(head.session).text(head.scene).number(head.sequence).digest(head.previousChain);
-  bytes.digest(head.sum.value()).number(static_cast<std::uint64_t>(head.sessionTime));
-  bytes.number(head.epochFloor).number(head.lastSite);
-  return digestOf(bytes.view());
-}
-
-DigestSum sumOf(const Digest& value) {
-  DigestSum sum;
-  sum.add(value);
-  return sum;
-}
-
-/// What of a head changes with every commit, as it stands in the last row of one.
-std::string inRow(const DatabaseHead& head) {
-  Bytes bytes;
-  bytes.digest(head.previousChain).digest(head.sum.value()).digest(head.chain);
-  return bytes.number(static_cast<std::uint64_t>(head.sessionTime)).view();
-}
-
-/// False if these are not the bytes of a head.
-bool takeFromRow(const std::string& bytes, DatabaseHead& head) {
-  Digest parts[3];
-  std::uint64_t time = 0;
-  if (bytes.size() != sizeof parts + sizeof time) return false;
-  std::memcpy(parts, bytes.data(), sizeof parts);
-  for (std::size_t i = 0; i < sizeof time; ++i)
-    time |= std::uint64_t{static_cast<std::uint8_t>(bytes[sizeof parts + i])} << (8 * i);
-  head.previousChain = parts[0];
-  head.sum = sumOf(parts[1]);
-  head.chain = parts[2];
-  head.sessionTime = static_cast<sync::Micros>(time);
-  return true;
-}
-
 Result<int> versionOf(SqliteDatabase& database) {
   const Result<std::string> id = database.ask("PRAGMA application_id");
   if (!id) return id.error();
@@ -76,7 +39,7 @@ Status checkPages(SqliteDatabase& database) {
 Status checkForm(SqliteDatabase& database) {
   const Result<int> version = versionOf(database);
   if (!version) return version.error();
-  if (*version != SessionDatabase::kSchemaVersion && *version != kVersionWithoutDocument)
+  if (*version > SessionDatabase::kSchemaVersion || *version < kVersionWithoutDocument)
     return Error{"schema version " + std::to_string(*version) + ", this server knows version " +
                  std::to_string(SessionDatabase::kSchemaVersion)};
   return checkPages(database);
@@ -108,7 +71,7 @@ Salvage salvageVersion1(SqliteDatabase& database, Salvage found) {
 
 /// The statements by which records are written.
 struct SessionDatabase::Statements {
-  SqliteStatement begin, commit, rollback, part, site, nonce, entry, forget, head;
+  SqliteStatement begin, commit, rollback, part, site, nonce, entry, forget, said, head;
 
   /// What the rows of all tables end with.
   struct Ending {
@@ -142,6 +105,13 @@ struct SessionDatabase::Statements {
     if (r.forgotten != 0 && !forget.bind(0, id(r.forgotten)).run()) return false;
     const std::vector<std::uint8_t> bytes = sync::encodeEntry(r.entry);
     return finish(entry.bind(0, id(r.entry.id)).bindBytes(1, bytes.data(), bytes.size()), 2, ending);
+  }
+  bool write(const SaidRecord& r, const Ending& ending) {
+    const sync::SaidLine& line = r.line;
+    const std::string parts = partBytesOf(line);
+    said.bind(0, static_cast<std::int64_t>(r.slot())).bind(1, static_cast<std::int64_t>(line.number));
+    said.bind(2, line.at).bind(3, std::int64_t{line.site}).bind(4, line.name).bind(5, line.said.text);
+    return finish(said.bindBytes(6, parts.data(), parts.size()), 7, ending);
   }
   bool write(const DatabaseHead& h) {
     const Digest sum = h.sum.value();
@@ -183,6 +153,7 @@ Status SessionDatabase::prepareStatements() {
       {&statements_->nonce, "INSERT OR REPLACE INTO nonces VALUES (?, ?, ?, ?, ?)"},
       {&statements_->entry, "INSERT OR REPLACE INTO document VALUES (?, ?, ?, ?, ?)"},
       {&statements_->forget, "DELETE FROM document WHERE entry = ?"},
+      {&statements_->said, "INSERT OR REPLACE INTO said VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"},
       {&statements_->head, "INSERT OR REPLACE INTO head VALUES (0, ?, ?, ?, ?, ?, ?, ?, ?, ?)"},
   };
   for (const auto& each : all) {
@@ -195,7 +166,8 @@ Status SessionDatabase::prepareStatements() {
 
 /// Makes the tables and writes them full, within a transaction that is open.
 Status SessionDatabase::fill(const DatabaseHead& head, const std::vector<JournalRecord>& records) {
-  if (Status made = database_.run((std::string(kSchema) + kDocumentSchema).c_str()); !made) return made;
+  const std::string schema = std::string(kSchema) + kDocumentSchema + kSaidSchema;
+  if (Status made = database_.run(schema.c_str()); !made) return made;
   if (Status ready = prepareStatements(); !ready) return ready;
   head_ = head;
   DatabaseHead next = successor();
@@ -274,19 +246,21 @@ Result<SessionDatabase> SessionDatabase::open(const std::string& path, std::uint
     return failed(
         Error{"damaged: rows are missing or older than commit " + std::to_string(database.head_.sequence)});
   database.takeContentsOfHead();
-  if (Status added = database.addDocument(); !added) return failed(added.error());
+  if (Status added = database.addTables(); !added) return failed(added.error());
   if (Status ready = database.prepareStatements(); !ready) return failed(ready.error());
   database.attempted_ = database.head_;
   return database;
 }
 
-/// Gives a sound database of the version without a document an empty one, in one transaction.
-Status SessionDatabase::addDocument() {
+/// Gives a sound database of an older version the tables that it lacks, empty, in one transaction.
+Status SessionDatabase::addTables() {
   const Result<int> version = server::versionOf(database_);
   if (!version) return version.error();
-  if (*version != kVersionWithoutDocument) return {};
-  const std::string sql =
-      std::string("BEGIN IMMEDIATE;") + kDocumentSchema + "PRAGMA user_version = 4; COMMIT;";
+  if (*version == kSchemaVersion) return {};
+  const std::string sql = std::string("BEGIN IMMEDIATE;") +
+                          (*version == kVersionWithoutDocument ? kDocumentSchema : "") + kSaidSchema +
+                          "PRAGMA user_version = 5; COMMIT;";
+  static_assert(kSchemaVersion == 5);
   return database_.run(sql.c_str());
 }
 
@@ -360,12 +334,21 @@ Status SessionDatabase::readTables(LastRow& last, DigestSum& sum) {
   });
   const Result<int> version = server::versionOf(database_);
   if (!read || !version || *version == kVersionWithoutDocument) return read;
-  return readRows(database_, kSelectDocument, [&](const SqliteStatement& row) {
+  read = readRows(database_, kSelectDocument, [&](const SqliteStatement& row) {
     const auto change = entryOf(row);
     std::string bad = check(row, change, 2, "document", std::to_string(row.integer(0)));
     if (!bad.empty()) return bad;
     rows_.document[change->entry.id] = digestIn(row, 3);
     contents_.document[change->entry.id] = change->entry;
+    return bad;
+  });
+  if (!read || *version == kVersionWithoutSaid) return read;
+  return readRows(database_, kSelectSaid, [&](const SqliteStatement& row) {
+    const auto said = saidOf(row);
+    std::string bad = check(row, said, 7, "said", std::to_string(row.integer(0)));
+    if (!bad.empty()) return bad;
+    rows_.said[said->slot()] = digestIn(row, 8);
+    apply(contents_, *said);
     return bad;
   });
 }
@@ -425,6 +408,8 @@ Digest SessionDatabase::count(const JournalRecord& record, Rows& staged, Databas
     replace(rows_.sites, staged.sites, std::uint32_t{site->info.site});
   else if (const auto* nonce = std::get_if<UsedNonce>(&record))
     replace(rows_.nonces, staged.nonces, nonce->nonce);
+  else if (const auto* said = std::get_if<SaidRecord>(&record))
+    replace(rows_.said, staged.said, said->slot());
   else if (const auto* change = std::get_if<DocumentRecord>(&record))
     countEntry(*change, check, staged, next);
   next.sum.add(check);
@@ -485,6 +470,7 @@ void SessionDatabase::adopt(const DatabaseHead& next, const Rows& staged) {
   for (const auto& [site, digest] : staged.sites) rows_.sites[site] = digest;
   for (const auto& [nonce, digest] : staged.nonces) rows_.nonces[nonce] = digest;
   for (const auto& [entry, digest] : staged.document) rows_.document[entry] = digest;
+  for (const auto& [slot, digest] : staged.said) rows_.said[slot] = digest;
   for (const document::EntryId entry : staged.forgotten) rows_.document.erase(entry);
 }
 
@@ -552,9 +538,17 @@ Salvage SessionDatabase::salvage(const std::string& path) {
     for (const DocumentRecord& change : sound) found.contents.document[change.entry.id] = change.entry;
     return bad;
   };
-  if (version && *version == kSchemaVersion)
+  const auto lines = [&](const SqliteStatement& row) {
+    std::vector<SaidRecord> sound;
+    std::string bad = take(row, saidOf(row), 7, sound);
+    for (const SaidRecord& said : sound) apply(found.contents, said);
+    return bad;
+  };
+  if (version && *version > kVersionWithoutDocument && *version <= kSchemaVersion)
     if (Status read = readRows(database.database_, kSelectDocument, entries); !read)
       note(read.error().message);
+  if (version && *version == kSchemaVersion)
+    if (Status read = readRows(database.database_, kSelectSaid, lines); !read) note(read.error().message);
   if (found.damagedRows > 0) note(std::to_string(found.damagedRows) + " rows are damaged");
   if (!found.headSound) return found;
   (void)database.takeHeadOf(last);  // a later session time, if it is sound

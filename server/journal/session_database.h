@@ -1,7 +1,7 @@
 #pragma once
 
-// The database of a session on a disk: tables of parts, sites, used tokens and entries of the document,
-// with checksums.
+// The database of a session on a disk: tables of parts, sites, used tokens, entries of the document and what
+// was said, with checksums.
 //
 // 1. Every row has the number of the commit that wrote it, and a checksum over that number, its values and
 //    the session's identity: a page of another session is found.
@@ -18,24 +18,13 @@
 #include <vector>
 
 #include "assets/base/result.h"
+#include "server/journal/database_head.h"
 #include "server/journal/journal.h"
 #include "server/journal/record_digest.h"
 #include "server/journal/session_rows.h"
 #include "server/journal/sqlite_database.h"
 
 namespace tandem::server {
-
-struct DatabaseHead {
-  Digest session{};
-  std::string scene;           // hash, hexadecimal; empty: that of the next start
-  std::uint64_t sequence = 0;  // of the last commit
-  Digest chain{};              // the hash of this head
-  Digest previousChain{};      // of the one before
-  DigestSum sum;               // of all rows
-  sync::Micros sessionTime = 0;
-  Epoch epochFloor = 0;
-  SiteId lastSite = 0;
-};
 
 /// What a damaged database still holds.
 struct Salvage {
@@ -50,7 +39,7 @@ struct Salvage {
 
 class SessionDatabase {
  public:
-  static constexpr int kSchemaVersion = 4;
+  static constexpr int kSchemaVersion = 5;
 
   static Result<SessionDatabase> create(const std::string& path, const DatabaseHead& head,
                                         const std::vector<JournalRecord>& records,
@@ -85,7 +74,8 @@ class SessionDatabase {
     std::unordered_map<std::uint32_t, Digest> parts, sites;
     std::unordered_map<std::string, Digest> nonces;
     std::unordered_map<document::EntryId, Digest> document;
-    std::vector<document::EntryId> forgotten;  // rows that a commit removes
+    std::unordered_map<std::uint64_t, Digest> said;  // by slot
+    std::vector<document::EntryId> forgotten;        // rows that a commit removes
   };
   struct Statements;
   struct LastRow;
@@ -102,7 +92,7 @@ class SessionDatabase {
   Status readTables(LastRow& last, DigestSum& sum);
   Status takeHeadOf(const LastRow& last);
   void takeContentsOfHead();
-  Status addDocument();
+  Status addTables();
   DatabaseHead successor() const;
   void countEntry(const DocumentRecord& change, const Digest& check, Rows& staged, DatabaseHead& next) const;
   Digest count(const JournalRecord& record, Rows& staged, DatabaseHead& next) const;

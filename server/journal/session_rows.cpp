@@ -1,7 +1,9 @@
 #include "server/journal/session_rows.h"
 
 #include <algorithm>
+#include <limits>
 
+#include "assets/base/printable.h"
 #include "sync/wire/document_codec.h"
 #include "sync/wire/limits.h"
 
@@ -56,6 +58,38 @@ std::optional<DocumentRecord> entryOf(const SqliteStatement& row) {
   const Result<document::Entry> entry = sync::decodeEntry(bytes);
   if (!entry || static_cast<std::int64_t>(entry->id) != row.integer(0)) return std::nullopt;
   return DocumentRecord{*entry, 0};
+}
+
+std::optional<SaidRecord> saidOf(const SqliteStatement& row) {
+  if (!within(row.integer(1), 1, std::numeric_limits<std::int64_t>::max() - 1) ||
+      !within(row.integer(2), 0, sync::kMaxUnixTime) || !within(row.integer(3), 1, 0xffff))
+    return std::nullopt;
+  SaidRecord said;
+  said.line.number = static_cast<std::uint64_t>(row.integer(1));
+  said.line.at = row.integer(2);
+  said.line.site = static_cast<SiteId>(row.integer(3));
+  said.line.name = row.text(4);
+  said.line.said.text = row.text(5);
+  const std::string parts = row.text(6);
+  for (std::size_t i = 0; i + 1 < parts.size(); i += 2)
+    said.line.said.parts.push_back(static_cast<PartId>(static_cast<std::uint8_t>(parts[i]) |
+                                                       static_cast<std::uint8_t>(parts[i + 1]) << 8));
+  const sync::Say& words = said.line.said;
+  const bool sound = static_cast<std::int64_t>(said.slot()) == row.integer(0) && parts.size() % 2 == 0 &&
+                     words.parts.size() <= sync::kMaxSaidParts && !words.text.empty() &&
+                     words.text.size() <= sync::kMaxSayLength && isPrintable(words.text) &&
+                     said.line.name.size() <= sync::kMaxNameLength && isPrintable(said.line.name);
+  if (!sound) return std::nullopt;
+  return said;
+}
+
+std::string partBytesOf(const sync::SaidLine& line) {
+  std::string bytes;
+  for (const PartId part : line.said.parts) {
+    bytes.push_back(static_cast<char>(part & 0xffu));
+    bytes.push_back(static_cast<char>(part >> 8));
+  }
+  return bytes;
 }
 
 Digest digestIn(const SqliteStatement& row, int column) {

@@ -22,6 +22,10 @@ std::optional<SiteRecord> siteOf(const SqliteStatement& row);
 std::optional<UsedNonce> nonceOf(const SqliteStatement& row);
 /// entry, bytes.
 std::optional<DocumentRecord> entryOf(const SqliteStatement& row);
+/// slot, number, at, site, name, words, parts.
+std::optional<SaidRecord> saidOf(const SqliteStatement& row);
+/// The parts of a line as their column has them.
+std::string partBytesOf(const sync::SaidLine& line);
 /// Zeros if the column holds something else.
 Digest digestIn(const SqliteStatement& row, int column);
 

@@ -25,6 +25,6 @@ using ControlMessage =
                  Refused, SceneChunk, SiteChanged, SiteLeft, GrabReply, ReleaseReply, CommandReply,
                  OwnershipChanged, Engage, Disengage, EngageReply, MembersChanged, NewTicket, SiteReport,
                  Unassigned, Unassigned, PutEntry, PutReply, DocumentChanged, DocumentRequest, DocumentChunk,
-                 Presentation, Say, Doubt>;
+                 Presentation, Say, Doubt, Said>;
 
 }  // namespace tandem::sync

@@ -9,13 +9,14 @@
 
 namespace tandem::sync {
 
-inline constexpr std::uint16_t kProtocolVersion = 12;  // of a connection
+inline constexpr std::uint16_t kProtocolVersion = 13;  // of a connection
 inline constexpr std::uint8_t kStateVersion = 2;       // of a datagram by itself, on a wire or in a recording
 
 inline constexpr std::size_t kMaxNameLength = 64;         // bytes, UTF-8
 inline constexpr std::size_t kMaxTextLength = 512;        // bytes, UTF-8: reasons
 inline constexpr std::size_t kMaxSayLength = 280;         // bytes, UTF-8
 inline constexpr std::size_t kMaxSaidParts = 8;           // links in one message
+inline constexpr std::size_t kMaxSaidLines = 200;         // of what was said, that are kept
 inline constexpr std::size_t kMaxCredentialLength = 512;  // bytes, ASCII
 inline constexpr std::size_t kMaxStateBytes = 1200;       // a whole datagram
 inline constexpr std::size_t kMaxChunkBytes = 64 * 1024;
@@ -27,6 +28,7 @@ inline constexpr std::size_t kMaxRequestBytes = 16 * 1024;
 inline constexpr std::size_t kMaxSites = 1024;               // that a session lists at a time
 inline constexpr std::size_t kMaxCoHolders = 64;             // of one part, its owner aside
 inline constexpr std::size_t kMaxStateParts = 255;           // in one StateUpdate; fewer fit as a rule
+inline constexpr std::int64_t kMaxUnixTime = 253402300799;   // s: the end of the year 9999
 inline constexpr Micros kMaxMicros = (Micros{1} << 55) - 1;  // +- 1141 years: sums of a few never overflow
 
 }  // namespace tandem::sync

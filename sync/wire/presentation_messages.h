@@ -1,7 +1,7 @@
 #pragma once
 
-// What one person shows the others, and what people say to each other. Nothing of it is kept: of a
-// presentation the newest counts, and what was said before a site came is not said again.
+// What one person shows the others, and what people say to each other. Of a presentation the newest counts;
+// of what was said the server keeps the newest lines, and tells them to whoever joins.
 
 #include <array>
 #include <cstdint>
@@ -63,9 +63,25 @@ struct Presentation {
 
 /// A short message to all. Each name in square brackets is a link to the part in the same place of `parts`.
 struct Say {
-  SiteId site = kNoSite;  // who; the server knows, whatever a site says
   std::string text;
   std::vector<PartId> parts;
+  friend bool operator==(const Say&, const Say&) = default;
+};
+
+/// A message as the server tells it to all.
+struct SaidLine {
+  std::uint64_t number = 0;  // of the session's lines, from 1
+  std::int64_t at = 0;       // Unix time, s
+  SiteId site = kNoSite;     // who said it
+  std::string name;          // of who said it, at that time
+  Say said;
+  friend bool operator==(const SaidLine&, const SaidLine&) = default;
+};
+
+/// From the server: lines in the order of their numbers.
+struct Said {
+  bool earlier = false;  // they were said before the site came into the session, or while it was away
+  std::vector<SaidLine> lines;
 };
 
 }  // namespace tandem::sync

@@ -39,6 +39,7 @@ class Writer {
   }
   void flag(bool value) { number<std::uint8_t>(value ? 1 : 0); }
   void time(Micros value) { number(static_cast<std::uint64_t>(value)); }
+  void unixTime(std::int64_t value) { number(static_cast<std::uint64_t>(value)); }
   void real(double value) { number(std::bit_cast<std::uint64_t>(value)); }
   void share(double value) { real(value); }
   void length(double value) { real(value); }
@@ -122,6 +123,14 @@ class Reader {
       value = 0;
       fail("a time is out of range");
     }
+  }
+  void unixTime(std::int64_t& value) {
+    std::uint64_t raw = 0;
+    number(raw);
+    value = static_cast<std::int64_t>(raw);
+    if (value >= 0 && value <= kMaxUnixTime) return;
+    value = 0;
+    fail("a Unix time is out of range");
   }
   void real(double& value) {
     std::uint64_t raw = 0;
@@ -434,7 +443,6 @@ static_assert(1 + 2 + 1 + 2 + document::kMaxSections * 48 + 2 + 2 * (2 + kMaxPar
                   kMaxMarks * 26 <=
               kMaxRequestBytes);
 void fields(auto& a, Is<Say> auto& m) {
-  a.number(m.site);
   a.text(m.text, kMaxSayLength);
   a.count(m.parts, kMaxSaidParts, sizeof(PartId));
   for (auto& part : m.parts) a.part(part);
@@ -446,8 +454,25 @@ void fields(auto& a, Is<Doubt> auto& m) {
   a.flag(m.holds);
 }
 
+void fields(auto& a, Is<SaidLine> auto& m) {
+  a.number(m.number);
+  a.unixTime(m.at);
+  a.number(m.site);
+  a.text(m.name, kMaxNameLength);
+  fields(a, m.said);
+}
+constexpr std::size_t kSmallestSaidLine = 8 + 8 + 2 + 2 + 2 + 2;
+constexpr std::size_t kLargestSaidLine =
+    kSmallestSaidLine + kMaxNameLength + kMaxSayLength + kMaxSaidParts * sizeof(PartId);
+void fields(auto& a, Is<Said> auto& m) {
+  a.flag(m.earlier);
+  a.count(m.lines, kMaxSaidLines, kSmallestSaidLine);
+  for (auto& line : m.lines) fields(a, line);
+}
+static_assert(1 + 1 + 2 + kMaxSaidLines * kLargestSaidLine <= kMaxControlBytes);
+
 constexpr std::size_t kKinds = std::variant_size_v<ControlMessage>;
-static_assert(kKinds == 34, "sync/WIRE.md numbers the kinds by their place in ControlMessage, from 1");
+static_assert(kKinds == 35, "sync/WIRE.md numbers the kinds by their place in ControlMessage, from 1");
 
 using DecodeFunction = ControlMessage (*)(Reader&);
 template <std::size_t... I>

@@ -63,6 +63,11 @@ def test_presenting(binaries, folder):
         wait_for(lambda: ben.said("Eve says: I look elsewhere"), "Ben hears Eve")
         got, own = ben.leave(), eve.leave()
         shown = ada.leave()
+        late = Visitor(binaries, folder, wait_for(lambda: server.links("observer"), "a link")[0], "Late", [])
+        wait_for(lambda: late.said(f"Ada said: look at the {PART}"), "who comes late hears what was said")
+        earlier = late.leave()["said"]
+        assert [(line["by"], line["earlier"]) for line in earlier] == [("Ada", True), ("Eve", True)], earlier
+        assert all(not line["earlier"] for line in got["said"]), got
         assert (got["shared_by"], got["shared"], got["follows"]) == ("Ada", "view", "view"), got
         assert [plane["point"] for plane in got["sections"]] == [[0, 0, 0.04]], got
         assert (got["hidden"], got["selected"]) == ([PART], PART), got

@@ -1,4 +1,4 @@
-// What sites show and say, through the server: who gets it, who may, and how much of it.
+// What sites show, through the server: who gets it, who may, and how much of it.
 
 #include "server/presentations.h"
 
@@ -52,7 +52,6 @@ TEST_F(PresentationsTest, OfObserversAndOfUnknownPartsAreDroppedAndCounted) {
   FakeSite& watcher = join("watcher", Role::observer);
   FakeSite& ada = join("ada");
   watcher.send(cut(0.1));
-  watcher.send(Say{0, "hello", {}});
   Presentation wrong = cut(0.1);
   wrong.selected = 3;  // there are three parts
   ada.send(wrong);
@@ -68,13 +67,10 @@ TEST_F(PresentationsTest, OfObserversAndOfUnknownPartsAreDroppedAndCounted) {
   wrong.inspection = {};
   wrong.inspection.marks = {{0, {}}, {kNoPart, {}}};
   ada.send(wrong);
-  ada.send(Say{0, "", {}});
-  ada.send(Say{0, "that part", {PartId{3}}});
   settle();
   EXPECT_EQ(session->counters().droppedPresentations, 7u);
-  EXPECT_EQ(session->counters().droppedSays, 3u);
   for (const FakeSite* site : {&watcher, &ada}) {
-    EXPECT_EQ(site->count<Presentation>() + site->count<Say>(), 0u);
+    EXPECT_EQ(site->count<Presentation>(), 0u);
     EXPECT_FALSE(site->closed);
   }
 }
@@ -159,24 +155,6 @@ TEST_F(PresentationsTest, OfAPeriodOnlyTheNewestIsSentAndWhatIsTooMuchIsDropped)
   EXPECT_GE(session->counters().droppedPresentations, 30u);
   EXPECT_LE(ben.count<Presentation>() - before, 4u);
   EXPECT_FALSE(ada.closed);
-}
-
-TEST_F(PresentationsTest, WhatIsSaidReachesAllInOneOrderAndNobodySaysTooMuch) {
-  FakeSite& ada = join("ada");
-  FakeSite& ben = join("ben");
-  for (int i = 0; i < 9; ++i) ada.send(Say{99, "line " + std::to_string(i) + " on [part1]", {PartId{1}}});
-  settle();
-  EXPECT_EQ(session->counters().droppedSays, 4u);
-  for (const FakeSite* site : {&ada, &ben}) {
-    ASSERT_EQ(site->count<Say>(), 5u);
-    EXPECT_EQ(site->last<Say>()->site, siteOf(ada));
-    EXPECT_EQ(site->last<Say>()->text, "line 4 on [part1]");
-    EXPECT_EQ(site->last<Say>()->parts, std::vector<PartId>{1});
-  }
-  run(kSecond);
-  ada.send(Say{0, "again", {}});
-  settle();
-  EXPECT_EQ(ben.last<Say>()->text, "again");
 }
 
 }  // namespace

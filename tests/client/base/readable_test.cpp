@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <ctime>
+
 namespace tandem::client {
 namespace {
 
@@ -65,6 +68,18 @@ TEST(Readable, MemoryComesInDecimalUnits) {
   EXPECT_EQ(readableBytes(512), "512 B");
   EXPECT_EQ(readableBytes(1209), "1.21 kB");
   EXPECT_EQ(readableBytes(345678901), "346 MB");
+}
+
+TEST(Readable, ATimeHasItsDayOrYearWhereThatIsAnother) {
+  ::setenv("TZ", "UTC-2", 1);  // two hours east
+  ::tzset();
+  constexpr std::int64_t kNow = 1'795'879'823;  // 2026-11-28 15:30:23 UTC
+  EXPECT_EQ(clockTime(kNow - 3600, kNow), "16:30");
+  EXPECT_EQ(clockTime(kNow - 18 * 3600, kNow), "27 Nov 23:30");
+  EXPECT_EQ(clockTime(kNow - 400 * 86400, kNow), "24 Oct 2025");
+  EXPECT_FALSE(clockTime(253'402'300'799, kNow).empty());
+  ::unsetenv("TZ");
+  ::tzset();
 }
 
 }  // namespace

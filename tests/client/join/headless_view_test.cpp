@@ -336,8 +336,8 @@ TEST_F(SharedViews, WhatIsSaidIsHeardByAllWithItsLinks) {
   settle();
   for (const Site* site : {&ada, &ben}) {
     ASSERT_EQ(site->chat.size(), 1u);
-    EXPECT_EQ(site->chat[0].name, "ada");
-    EXPECT_EQ(site->chat[0].said.parts, (std::vector<PartId>{PartId{1}, kNoPart}));
+    EXPECT_EQ(site->chat[0].line.name, "ada");
+    EXPECT_EQ(site->chat[0].line.said.parts, (std::vector<PartId>{PartId{1}, kNoPart}));
   }
   EXPECT_NE(std::find(ben.notices.begin(), ben.notices.end(), "ada says: look at box 1, not [box 7]"),
             ben.notices.end());
@@ -345,6 +345,14 @@ TEST_F(SharedViews, WhatIsSaidIsHeardByAllWithItsLinks) {
   settle(20 * kSecond);
   EXPECT_EQ(ben.chat.size(), 6u) << "a few wait for their turn, the rest is too much";
   EXPECT_EQ(session->counters().droppedSays, 0u);
+  const Site& eve = enter("eve");
+  settle();
+  ASSERT_EQ(eve.chat.size(), 6u) << "who comes late has it too";
+  EXPECT_TRUE(eve.chat[0].earlier);
+  EXPECT_EQ(eve.chat[0].line.said.text, say.text);
+  EXPECT_EQ(std::count_if(eve.notices.begin(), eve.notices.end(),
+                          [](const std::string& notice) { return notice.find("says") != std::string::npos; }),
+            0);
 }
 
 }  // namespace

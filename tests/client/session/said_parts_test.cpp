@@ -37,14 +37,14 @@ TEST(SaidParts, ALineOfTextHasNoBracketsAroundLinks) {
   EXPECT_EQ(inWords(saidWithLinks("see [box 1] and [box 2]", scene)), "see box 1 and box 2");
   EXPECT_EQ(inWords(saidWithLinks("[lid] is loose, [box 0] not", scene)), "[lid] is loose, box 0 not");
   EXPECT_EQ(inWords(saidWithLinks("a[[box 1]] ] [", scene)), "a[box 1] ] [");
-  EXPECT_EQ(inWords({1, "no brackets", {PartId{2}}}), "no brackets");
+  EXPECT_EQ(inWords({"no brackets", {PartId{2}}}), "no brackets");
 }
 
 TEST(SaidParts, ALinkShowsThePartsOwnName) {
   const assets::Scene scene = rowOfBoxes();
-  EXPECT_EQ(joined(piecesOf({1, "the [small lid]", {PartId{2}}}, scene)), "the <box 2>");
-  EXPECT_EQ(joined(piecesOf({1, "the [small lid]", {PartId{200}}}, scene)), "the [small lid]");
-  EXPECT_EQ(joined(piecesOf({1, "no brackets", {PartId{2}}}, scene)), "no brackets");
+  EXPECT_EQ(joined(piecesOf({"the [small lid]", {PartId{2}}}, scene)), "the <box 2>");
+  EXPECT_EQ(joined(piecesOf({"the [small lid]", {PartId{200}}}, scene)), "the [small lid]");
+  EXPECT_EQ(joined(piecesOf({"no brackets", {PartId{2}}}, scene)), "no brackets");
 }
 
 TEST(SaidParts, LoseNoTextWhateverItIs) {

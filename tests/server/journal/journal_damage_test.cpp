@@ -89,6 +89,8 @@ class DeadSession {
       number = journal.append(record);
       if (random_() % 4 == 0)
         number = journal.append(UsedNonce{"nonce" + std::to_string(random_()), 1 << 30});
+      if (random_() % 4 == 0)
+        number = journal.append(SaidRecord{{++lines_, 1000, 1, "ada", {"a line", {1}}}});
       const std::string nonce = "used" + std::to_string(i) + "-" + std::to_string(told.nonces.size());
       if (random_() % 4 == 0) {
         number = journal.append(UsedNonce{nonce, 1 << 30});
@@ -103,6 +105,7 @@ class DeadSession {
     }
   }
   std::mt19937 random_;
+  std::uint64_t lines_ = 0;
   Digest key_{};
   bool mustExist_ = false;
 };

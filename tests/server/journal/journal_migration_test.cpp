@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "server/data_directory.h"
+#include "server/journal/session_database.h"
 #include "server/journal/session_mark.h"
 #include "server/journal/sqlite_database.h"
 #include "server/journal/sqlite_journal.h"
@@ -153,7 +154,7 @@ TEST_F(JournalMigration, GivesVersion3AnEmptyDocumentAndKeepsTheRest) {
     ASSERT_TRUE(journal.ok()) << journal.error().message;
     (*journal)->append(UsedNonce{"used", 5000});
   }
-  run("DROP TABLE document; PRAGMA user_version = 3");
+  run("DROP TABLE document; DROP TABLE said; PRAGMA user_version = 3");
   for (int start = 0; start < 2; ++start) {
     auto journal = SqliteJournal::open(path, {"abc", 0, {}, true, {}});
     ASSERT_TRUE(journal.ok()) << journal.error().message;
@@ -167,13 +168,37 @@ TEST_F(JournalMigration, GivesVersion3AnEmptyDocumentAndKeepsTheRest) {
   }
 }
 
+TEST_F(JournalMigration, GivesVersion4AnEmptyChatAndKeepsTheRest) {
+  document::Entry entry;
+  entry.id = 7;
+  entry.revision = 9;
+  entry.body = document::Group{"pumps", {1, 2}};
+  {
+    auto journal = SqliteJournal::open(path, {"abc", 0, {}, false, {}});
+    ASSERT_TRUE(journal.ok()) << journal.error().message;
+    (*journal)->append(DocumentRecord{entry, 0});
+  }
+  run("DROP TABLE said; PRAGMA user_version = 4");
+  const Salvage salvaged = SessionDatabase::salvage(path);
+  EXPECT_TRUE(salvaged.damage.empty()) << salvaged.damage;
+  EXPECT_EQ(salvaged.contents.document.size(), 1u);
+  for (int start = 0; start < 2; ++start) {
+    auto journal = SqliteJournal::open(path, {"abc", 0, {}, true, {}});
+    ASSERT_TRUE(journal.ok()) << journal.error().message;
+    EXPECT_EQ((*journal)->contents().document.size(), 1u);
+    ASSERT_EQ((*journal)->contents().said.size(), static_cast<std::size_t>(start));
+    if (start == 0) (*journal)->append(SaidRecord{{5, 1000, 2, "ada", {"hello", {1}}}});
+  }
+  EXPECT_EQ(SessionDatabase::salvage(path).contents.said.size(), 1u);
+}
+
 TEST_F(JournalMigration, OfALaterVersionIsRefusedInOneLine) {
   auto directory = DataDirectory::open(data);
   ASSERT_TRUE(directory.ok()) << directory.error().message;
   ASSERT_TRUE(directory->keepSigningKey().ok());
-  run("PRAGMA application_id = 1414417741; PRAGMA user_version = 5; CREATE TABLE later (x)", /*create=*/true);
+  run("PRAGMA application_id = 1414417741; PRAGMA user_version = 6; CREATE TABLE later (x)", /*create=*/true);
   const std::string said = refusal();
-  EXPECT_NE(said.find("session.db: schema version 5 of a newer"), std::string::npos) << said;
+  EXPECT_NE(said.find("session.db: schema version 6 of a newer"), std::string::npos) << said;
   EXPECT_EQ(said.find('\n'), std::string::npos);
   EXPECT_EQ(said.find("--recover"), std::string::npos) << "which would throw it away";
   EXPECT_FALSE(recoverSession(*directory, 1'790'000'000).ok());

@@ -83,6 +83,32 @@ TEST_F(SqliteJournalTest, HoldsTheDocumentWithoutTheEntriesThatItForgot) {
   }
 }
 
+SaidRecord saidRecord(std::uint64_t number) {
+  return {{number, 1'790'000'000, 3, "Ann \xc3\xa9", {"line " + std::to_string(number), {0, 300, kNoPart}}}};
+}
+
+TEST_F(SqliteJournalTest, HoldsTheNewestLinesThatWereSaid) {
+  constexpr std::uint64_t kLines = sync::kMaxSaidLines + 30;
+  for (int start = 0; start < 3; ++start) {
+    auto journal = SqliteJournal::open(path(), {"abc", 0, {}, false, {}});
+    ASSERT_TRUE(journal.ok()) << journal.error().message;
+    const auto said = (*journal)->contents().said;
+    if (start == 0)
+      for (std::uint64_t number = 1; number <= kLines; ++number) (*journal)->append(saidRecord(number));
+    if (start == 1) {
+      ASSERT_EQ(said.size(), sync::kMaxSaidLines);
+      for (const auto& [slot, line] : said) EXPECT_EQ(line, saidRecord(line.number).line);
+      for (std::uint64_t number = 31; number <= kLines; ++number)
+        EXPECT_TRUE(said.contains(number % sync::kMaxSaidLines));
+      ASSERT_TRUE(durable(**journal, (*journal)->append(saidRecord(kLines + 1))));
+    }
+    if (start == 2) {
+      EXPECT_EQ(said.size(), sync::kMaxSaidLines);
+      EXPECT_EQ(said.at((kLines + 1) % sync::kMaxSaidLines).number, kLines + 1);
+    }
+  }
+}
+
 TEST_F(SqliteJournalTest, HoldsWhatWasWrittenWhenReopened) {
   {
     auto journal = SqliteJournal::open(path(), {"abc", 0, {}, false, {}});
@@ -181,7 +207,7 @@ TEST_F(SqliteJournalTest, RefusesWhatIsNotItsOwn) {
 }
 
 TEST_F(SqliteJournalTest, StopsAndReportsWhenTheDiskIsFull) {
-  auto journal = SqliteJournal::open(path(), {"abc", 6, {}, false, {}});
+  auto journal = SqliteJournal::open(path(), {"abc", 7, {}, false, {}});
   ASSERT_TRUE(journal.ok()) << journal.error().message;
   std::uint64_t number = 0;
   for (PartId part = 0; part < 2000; ++part) number = (*journal)->append(record(part, 1));

@@ -122,9 +122,17 @@ class RandomMessages {
       case 31:
         return presentation();
       case 32:
-        return Say{static_cast<SiteId>(number(65536)), text(kMaxSayLength), {partId(), partId()}};
+        return Say{text(kMaxSayLength), {partId(), partId()}};
       case 33:
         return Doubt{static_cast<SiteId>(number(65536)), static_cast<SiteId>(number(65536)), chance(0.5)};
+      case 34: {
+        Said m{chance(0.5), {}};
+        for (std::uint32_t n = number(4); n > 0; --n)
+          m.lines.push_back({random_(), static_cast<std::int64_t>(number(~0u)),
+                             static_cast<SiteId>(number(65536)), text(kMaxNameLength),
+                             Say{text(kMaxSayLength), {partId()}}});
+        return m;
+      }
       default:
         return SiteReport{number(~0u), number(~0u), number(~0u), number(~0u),
                           number(~0u), number(~0u), number(~0u)};
