@@ -11,6 +11,7 @@
 #include <fstream>
 
 #include "assets/base/assert.h"
+#include "assets/gltf/cad_file.h"
 #include "haptics/scene/contact_scene.h"
 
 namespace tandem::client {
@@ -26,7 +27,9 @@ int badInput(const Error& error) {
 }
 
 void addSceneOptions(assets::CommandLine& command, SceneArguments& arguments) {
-  command.option("scene", arguments.path, "Scene file (.gltf or .glb)").required();
+  command
+      .option("scene", arguments.path, "Scene: .gltf or .glb, or a CAD file: .step, .3mf, .stl, .obj, .ply")
+      .required();
   command.option("--units", arguments.units, "Unit of the file's numbers: m, cm, mm, inch or foot")
       .showDefault();
   command.option(
@@ -67,8 +70,9 @@ Result<assets::Scene> loadScene(const SceneArguments& arguments) {
       std::fprintf(stderr, "\r\033[K%3.0f %% %s", 100.0 * done, what);
       std::fflush(stderr);
     };
-  Result<assets::Scene> scene =
-      assets::loadScene(arguments.path, *options, arguments.noCache ? "" : assets::defaultCacheDirectory());
+  const assets::SceneFile file{arguments.path, arguments.units,
+                               arguments.noCache ? "" : assets::defaultCacheDirectory()};
+  Result<assets::Scene> scene = assets::loadSceneFile(file, *options);
   if (terminal) std::fputs("\r\033[K", stderr);
   return scene;
 }

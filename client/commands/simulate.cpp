@@ -2,6 +2,7 @@
 #include <memory>
 #include <string>
 
+#include "assets/gltf/cad_file.h"
 #include "client/commands/command.h"
 #include "client/simulation/protocol_simulation.h"
 #include "client/simulation/simulation.h"
@@ -69,7 +70,7 @@ int run(const Arguments& arguments) {
   Result<Scenario> scenario = loadScenario(arguments.scenario);
   if (!scenario) return badInput(scenario.error());
   Result<assets::Scene> scene =
-      assets::loadScene(scenario->scene, scenario->load, assets::defaultCacheDirectory());
+      assets::loadSceneFile({scenario->scene, "m", assets::defaultCacheDirectory()}, scenario->load);
   if (!scene) return badInput(scene.error());
   if (arguments.protocol) return runProtocol(arguments, *scenario, *scene);
   haptics::ContactScene contact(*scene);

@@ -20,12 +20,12 @@
 
 #include "assets/base/process_memory.h"
 #include "assets/base/utc_time.h"
+#include "assets/gltf/cad_file.h"
 #include "assets/scene/scene_package.h"
 #include "assets/scene/scene_size.h"
 #include "server/admission.h"
 #include "server/data_directory.h"
 #include "server/journal/sqlite_journal.h"
-#include "server/program/cad_file.h"
 #include "server/program/invitations.h"
 #include "server/program/operation.h"
 #include "server/program/options.h"
@@ -74,22 +74,9 @@ Result<assets::Scene> load(Options& options) {
     options.load.progress = [](double share, const char* what) {
       std::fprintf(stderr, "\r\033[Kloading %3.0f %% %s", 100.0 * share, what);
     };
-  const std::string cache = options.cache ? assets::defaultCacheDirectory() : "";
-  std::string file = options.scene;
-  if (isCadFile(file)) {
-    const auto progress = [&](double share) {
-      if (bar) std::fprintf(stderr, "\r\033[Kimporting %3.0f %%", 100.0 * share);
-    };
-    // m is what a scene's unit is unless stated: a CAD file states its own.
-    const std::string units = options.units == "m" ? "" : options.units;
-    const auto imported =
-        importCadFile(file, units, cache, options.data + ".glb", progress, [] { return stopAsked != 0; });
-    if (bar) std::fputs("\r\033[K", stderr);
-    if (!imported) return imported.error();
-    file = *imported;
-    options.load.unitScale = 1.0;
-  }
-  auto scene = assets::loadScene(file, options.load, cache);
+  const assets::SceneFile file{options.scene, options.units,
+                               options.cache ? assets::defaultCacheDirectory() : ""};
+  auto scene = assets::loadSceneFile(file, options.load, [] { return stopAsked != 0; });
   if (bar) std::fputs("\r\033[K", stderr);
   if (scene && scene->parts.empty()) return Error{options.scene + ": no parts in it"};
   return scene;

@@ -242,6 +242,50 @@ def check_server(importer):
     expect(done.returncode == 2 and len(lines) == 1 and "text.step" in lines[0], f"server: {done.stderr!r}")
 
 
+def check_commands(importer):
+    """The commands of tandem take a STEP file as tandem-server does, and share its cache."""
+    folder = importer.folder / "commands"
+    temporary = folder / "tmp"
+    temporary.mkdir(parents=True)
+    environment = {**os.environ, "XDG_CACHE_HOME": str(folder / "cache"), "TMPDIR": str(temporary)}
+
+    def run(*arguments, program=importer.binaries / "tandem", **more):
+        return subprocess.run([program, *arguments], capture_output=True, text=True,
+                              env={**environment, **more})
+
+    def refused(done, *words):
+        lines = done.stderr.splitlines()
+        expect(done.returncode == 2 and len(lines) == 1 and all(word in lines[0] for word in words),
+               f"commands: {done.returncode} {done.stderr!r}")
+
+    step = importer.make("fixture")
+    _, glb = importer.run(step)
+    of_glb = json.loads(run("check", glb, "--json").stdout)
+    for options in ((), (), ("--no-cache",)):
+        done = run("check", step, "--json", *options)
+        expect(done.returncode == 0 and done.stderr == "", f"check: {done.returncode} {done.stderr}")
+        parts = json.loads(done.stdout)["parts"]
+        names = [part["name"] for part in parts]
+        expect(names == [part["name"] for part in of_glb["parts"]], f"check: {parts}")
+        imports = list((folder / "cache" / "tandem").glob("import-*/*.glb"))
+        expect([file.name for file in imports] == ["fixture_MM.glb"], f"check: cached imports: {imports}")
+    expect(not list(temporary.iterdir()), "check --no-cache leaves files behind")
+    done = run("extract", step, "--part", "left pin", "--movable", "left pin", "--json", folder / "out.json")
+    expect(done.returncode == 0, f"extract: {done.returncode} {done.stdout} {done.stderr}")
+    (folder / "path.csv").write_text("t,x,y,z\n0,0.2,0.2,0.2\n0.01,0.2,0.2,0.2\n")
+    done = run("probe", step, "--path", folder / "path.csv")
+    expect(done.returncode == 0, f"probe: {done.returncode} {done.stderr}")
+    bad = importer.folder / "text.step"
+    bad.write_text("hello\n")
+    refused(run("check", bad), "text.step")
+    refused(run("check", folder / "none.step"), "none.step", "cannot be read")
+    alone = folder / "bin" / "tandem"
+    alone.parent.mkdir()
+    shutil.copy(importer.binaries / "tandem", alone)
+    refused(run("check", step, "--no-cache", program=alone, PATH=str(alone.parent)), "fixture_MM.step",
+            "tandem-import", ".ci/install import")
+
+
 def check_real_files(importer, folder):
     """as1-oc-214 has its round faces as splines."""
     for file in sorted(folder.glob("*.st*p")):
@@ -278,6 +322,7 @@ def main():
         check_meshes(importer)
         check_refusals(importer)
         check_server(importer)
+        check_commands(importer)
         files = [importer.make("fixture")]
         if data := os.environ.get("TANDEM_DATA"):
             check_real_files(importer, pathlib.Path(data))
