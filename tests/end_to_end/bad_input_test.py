@@ -71,7 +71,9 @@ def cases(folder, binaries):
     (folder / "pump.step").write_text("ISO-10303-21;\nHEADER;\n")
     (folder / "pump.stl").write_bytes(bytes(84))
     (folder / "pump.fbx").write_bytes(b"Kaydara FBX Binary  ")
-    yield ["tandem", "check", str(folder / "pump.step")], "this is a STEP file; Tandem reads glTF"
+    (folder / "step.glb").write_text("ISO-10303-21;\nHEADER;\n")
+    yield ["tandem", "check", str(folder / "step.glb")], "this is a STEP file; Tandem reads glTF"
+    yield ["tandem", "check", str(folder / "pump.step")], "pump.step"
     yield ["tandem-server", str(folder / "pump.fbx")], "this is an FBX file; Tandem reads glTF"
     yield ["tandem-server", str(folder / "pump.stl")], "pump.stl"
     yield ["tandem", "chekc", PUMP], "unknown command chekc; did you mean check?"
