@@ -36,7 +36,13 @@ std::optional<RoundFace> readFace(const Json& value) {
   const auto point = face.vector("point"), axis = face.vector("axis");
   const auto radius = face.number("radius"), from = face.number("from"), to = face.number("to");
   if (!point || !axis || !radius || !from || !to) face.fail("cylinder", "is not complete");
-  return RoundFace{*point, *axis, *radius, *from, *to, face.flag("hollow", false)};
+  return RoundFace{*point,
+                   *axis,
+                   *radius,
+                   *from,
+                   *to,
+                   face.flag("hollow", false),
+                   face.number("turn").value_or(2.0 * kPi)};
 }
 
 /// Places a face in its part; false if it is not one that contact can use.

@@ -157,7 +157,7 @@ class SceneBuilder {
     if (isAsSound(cut, mesh.analysis.mesh)) {
       mesh.analysis.mesh = std::move(cut.mesh);
     } else {
-      mesh.rounded.felt = 0;
+      mesh.rounded.felt = mesh.rounded.equal = 0;
     }
   }
 
@@ -361,10 +361,19 @@ class SceneBuilder {
     return text;
   }
 
+  static std::string roomText(const RoundedMesh& rounded) {
+    char text[120];
+    std::snprintf(text, sizeof text,
+                  "Cylinders of fits without play are given %.2g um of it, so that they turn.",
+                  1e6 * rounded.room);
+    return text;
+  }
+
   void addMeshFindings(const Analysed& mesh, const std::string& where) {
     using Severity = Finding::Severity;
     const MeshDefects& d = mesh.analysis.defects;
     addFinding(Severity::note, "exact-fits", where, mesh.rounded.felt, feltText(mesh.rounded));
+    addFinding(Severity::note, "equal-fits", where, mesh.rounded.equal, roomText(mesh.rounded));
     addFinding(
         Severity::warning, "unbelieved-cylinders", where, mesh.rounded.unbelieved + mesh.damagedCylinders,
         "Exact cylinders of extras.cad are damaged or do not lie on their facets; the facets are felt.");

@@ -3,7 +3,8 @@
 // Cuts the triangles of a mesh at points on their edges. For the files of this room only.
 //
 // 1. Both triangles of an edge are cut at the same points, so that a closed mesh stays closed.
-// 2. Positions, materials, texture coordinates and normals of uncut triangles keep their bits.
+// 2. Positions that are not moved, and materials, texture coordinates and normals of uncut triangles, keep
+//    their bits.
 
 #include <array>
 #include <cstddef>
@@ -31,6 +32,8 @@ class FacetCutter {
   /// Keeps a reference to the mesh.
   FacetCutter(const Mesh& mesh, double rounding);
 
+  /// Moves a vertex of the mesh.
+  void movePoint(std::uint32_t vertex, const glm::dvec3& by) { out_.positions[vertex] += by; }
   bool isCut(std::uint32_t a, std::uint32_t b) const { return cuts_.contains({a, b}); }
   /// Cuts the edge from vertex a to b, a < b, at a point at `share` of its way. Cuts of one edge follow each
   /// other along it. `ruling`: of the cylinder on which the point lies.

@@ -14,52 +14,18 @@
 namespace tandem::assets {
 namespace {
 
-constexpr double kSagOfPlay = 0.1;  // of the radial play, the sag of a facet
-constexpr int kMostSegments = 320;
-constexpr double kOneRadius = 2e-5;   // of the radius, by which these may differ
-constexpr double kWidestPlay = 0.05;  // of the radius: the play above which no facets matter
 constexpr double kWidestFacet = 2.0 * kPi / 12.0 + 0.03;  // rad
 constexpr double kOff = 1e-5;                             // of the radius, that a corner may be off
 constexpr double kLargest = 16.0;                         // mesh diagonals that a radius may measure
-constexpr double kMostChecks = 1e9;                // pairs of a face and a corner that one mesh may cost
-constexpr double kMerged = 0.02;                   // of a segment: corners that are on one ruling
-constexpr std::size_t kMostRulings = 4096;         // of a cylinder
-constexpr std::size_t kMostTriangles = 2'000'000;  // that cutting may add to all meshes
-
-int segmentsFor(double radius, double play) {
-  if (!(play < kWidestPlay * radius)) return 0;
-  if (play < kOneRadius * radius) return 0;
-  const double needed = kPi / std::sqrt(2.0 * kSagOfPlay * play / radius);
-  return static_cast<int>(std::ceil(std::min<double>(needed, kMostSegments) / 8.0)) * 8;
-}
-
-/// Faces of one kind, sorted by radius.
-class ByRadius {
- public:
-  void add(const RoundFace& face) { radii_.push_back(face.radius); }
-  void sort() { std::sort(radii_.begin(), radii_.end()); }
-  /// How far the nearest radius is; infinite if there is none.
-  double nearest(double radius) const {
-    const auto at = std::lower_bound(radii_.begin(), radii_.end(), radius);
-    double least = 1e300;
-    if (at != radii_.end()) least = *at - radius;
-    if (at != radii_.begin()) least = std::min(least, radius - *(at - 1));
-    return least;
-  }
-
- private:
-  std::vector<double> radii_;
-};
-
-bool anyPlanned(const RoundFaces& mesh) {
-  return std::any_of(mesh.segments.begin(), mesh.segments.end(), [](int n) { return n > 0; });
-}
+constexpr double kMostChecks = 1e9;         // pairs of a face and a corner that one mesh may cost
+constexpr double kMerged = 0.02;            // of a segment: corners that are on one ruling
+constexpr std::size_t kMostRulings = 4096;  // of a cylinder
 
 double wrapped(double angle) { return std::remainder(angle, 2.0 * kPi); }
 
 /// A cylinder with the facets that lie on it.
 struct Barrel {
-  Barrel(const RoundFace& stretch, int cut) : face(stretch), segments(cut) {
+  explicit Barrel(const RoundFace& stretch) : face(stretch) {
     const glm::dvec3 least = std::abs(face.axis.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
     x = glm::normalize(glm::cross(face.axis, least));
     y = glm::cross(face.axis, x);
@@ -71,7 +37,12 @@ struct Barrel {
   }
   glm::dvec3 outward(double angle) const { return std::cos(angle) * x + std::sin(angle) * y; }
   glm::dvec3 at(double angle, double height) const {
-    return face.point + face.radius * outward(angle) + height * face.axis;
+    return face.point + cornerRadius() * outward(angle) + height * face.axis;
+  }
+  /// Where the corners of its facets go.
+  double cornerRadius() const {
+    if (!(cut.bound > 0.0)) return face.radius;
+    return face.hollow ? cut.bound / std::cos(0.5 * widest) : cut.bound;
   }
   double sign() const { return face.hollow ? -1.0 : 1.0; }
   /// Whether both are stretches of one cylinder, which then counts as a whole.
@@ -86,11 +57,12 @@ struct Barrel {
   }
 
   RoundFace face;
-  int segments = 0;
+  RoundCut cut;
   glm::dvec3 x, y;
   std::vector<std::size_t> of;                    // the faces that it stands for
   std::vector<double> rulings;                    // rad, ascending, along which facets meet
   std::map<std::uint32_t, std::size_t> rulingOf;  // of each corner, its ruling
+  double widest = 0.0;                            // rad, of its facets
   bool usable = true;
   std::size_t triangles = 0;
 };
@@ -118,7 +90,8 @@ class Rounder {
       if (failed.empty()) break;
       for (const std::uint32_t b : failed) drop(b);
     }
-    if (!failed.empty() || out.soup.triangles.size() == mesh_.triangles.size()) out.soup = {};
+    if (!failed.empty() || (out.soup.triangles.size() == mesh_.triangles.size() && shifts().empty()))
+      out.soup = {};
     count(out, !failed.empty());
     return out;
   }
@@ -129,7 +102,7 @@ class Rounder {
   void gather() {
     double checks = 0.0;
     for (std::size_t i = 0; i < rounds_.faces.size(); ++i) {
-      if (rounds_.segments[i] == 0) continue;
+      if (rounds_.cuts[i].segments == 0) continue;
       const RoundFace& face = rounds_.faces[i];
       const auto same = std::find_if(barrels_.begin(), barrels_.end(),
                                      [&](Barrel& known) { return known.takes(face, offOf(face)); });
@@ -138,8 +111,9 @@ class Rounder {
         ++unread_;
         continue;
       }
-      Barrel& barrel = same != barrels_.end() ? *same : barrels_.emplace_back(face, 0);
-      barrel.segments = std::max(barrel.segments, rounds_.segments[i]);
+      Barrel& barrel = same != barrels_.end() ? *same : barrels_.emplace_back(face);
+      barrel.cut.segments = std::max(barrel.cut.segments, rounds_.cuts[i].segments);
+      barrel.cut.bound = std::max(barrel.cut.bound, rounds_.cuts[i].bound);
       barrel.of.push_back(i);
     }
   }
@@ -196,7 +170,7 @@ class Rounder {
           corners.emplace_back(barrel.angleOf(mesh_.positions[v]), v);
     std::sort(corners.begin(), corners.end());
     corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-    const double step = 2.0 * kPi / barrel.segments, merged = kMerged * step;
+    const double step = 2.0 * kPi / barrel.cut.segments, merged = kMerged * step;
     for (const auto& [angle, v] : corners) {
       if (barrel.rulings.empty() || angle - barrel.rulings.back() > merged) {
         if (!barrel.rulings.empty()) fill(barrel, angle, step);
@@ -214,6 +188,17 @@ class Rounder {
       const std::size_t last = barrel.rulings.size() - 1;
       for (auto& [v, at] : barrel.rulingOf) at = at == last ? 0 : at;
       barrel.rulings.pop_back();
+    }
+    measureWidest(barrel, merged);
+  }
+
+  /// Corners up to `merged` rad beside their ruling make a facet wider.
+  static void measureWidest(Barrel& barrel, double merged) {
+    for (std::size_t i = 0; i < barrel.rulings.size(); ++i) {
+      const double next =
+          i + 1 < barrel.rulings.size() ? barrel.rulings[i + 1] : barrel.rulings[0] + 2.0 * kPi;
+      const double width = next - barrel.rulings[i] + 2.0 * merged;
+      if (width < kWidestFacet + 2.0 * merged) barrel.widest = std::max(barrel.widest, width);
     }
   }
 
@@ -268,6 +253,7 @@ class Rounder {
 
   TriangleSoup cut(std::vector<std::uint32_t>& failed) const {
     FacetCutter cutter(mesh_, rounding_);
+    for (const auto& [v, by] : shifts()) cutter.movePoint(v, by);
     for (std::size_t t = 0; t < owner_.size(); ++t) {
       for (std::size_t e = 0; owner_[t] != kNone && e < 3; ++e) cutEdge(cutter, t, e);
       if (cutter.points() > mesh_.positions.size() + rounds_.most) return allUnsound(failed);
@@ -292,6 +278,19 @@ class Rounder {
     return cutter.finish();
   }
 
+  /// By how much the corners of fits of equal radii are moved.
+  std::map<std::uint32_t, glm::dvec3> shifts() const {
+    std::map<std::uint32_t, glm::dvec3> by;
+    for (const Barrel& barrel : barrels_) {
+      if (!(barrel.cut.bound > 0.0) || !barrel.usable) continue;
+      for (const auto& [v, ruling] : barrel.rulingOf) {
+        const glm::dvec3 across = barrel.across(mesh_.positions[v]);
+        by[v] += (barrel.cornerRadius() / glm::length(across) - 1.0) * across;
+      }
+    }
+    return by;
+  }
+
   TriangleSoup allUnsound(std::vector<std::uint32_t>& failed) const {
     for (std::uint32_t b = 0; b < barrels_.size(); ++b) failed.push_back(b);
     return {};
@@ -303,7 +302,11 @@ class Rounder {
       if (barrel.triangles == 0) out.unbelieved += barrel.of.size();
       if (barrel.triangles == 0 || none || !barrel.usable) continue;
       out.felt += barrel.of.size();
-      out.sag = std::max(out.sag, barrel.face.radius * (1.0 - std::cos(kPi / barrel.segments)));
+      if (barrel.cut.bound > 0.0) {
+        out.equal += barrel.of.size();
+        out.room = std::max(out.room, equalFitRoom(barrel.face.radius).most);
+      }
+      out.sag = std::max(out.sag, barrel.face.radius * (1.0 - std::cos(kPi / barrel.cut.segments)));
     }
   }
 
@@ -318,30 +321,8 @@ class Rounder {
 
 }  // namespace
 
-void planFits(std::vector<RoundFaces>& meshes) {
-  std::array<ByRadius, 2> all, moving;  // shafts, bores
-  for (const RoundFaces& mesh : meshes)
-    for (const RoundFace& face : mesh.faces) {
-      all[face.hollow].add(face);
-      if (mesh.movable) moving[face.hollow].add(face);
-    }
-  for (auto* lists : {&all, &moving})
-    for (ByRadius& list : *lists) list.sort();
-  std::size_t cut = 0;
-  for (RoundFaces& mesh : meshes) {
-    mesh.segments.assign(mesh.faces.size(), 0);
-    for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
-      const RoundFace& face = mesh.faces[i];
-      const ByRadius& others = (mesh.movable ? all : moving)[!face.hollow];
-      mesh.segments[i] = segmentsFor(face.radius, others.nearest(face.radius));
-    }
-    cut += anyPlanned(mesh) ? 1 : 0;
-  }
-  for (RoundFaces& mesh : meshes) mesh.most = kMostTriangles / std::max<std::size_t>(cut, 1);
-}
-
 RoundedMesh roundFaces(const Mesh& mesh, const RoundFaces& rounds, double rounding) {
-  if (!anyPlanned(rounds)) return {};
+  if (!rounds.anyCut()) return {};
   return Rounder(mesh, rounds, rounding).run();
 }
 

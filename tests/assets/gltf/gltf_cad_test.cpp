@@ -145,7 +145,7 @@ TEST(ExactCylinders, ThatWouldTakeTooManyCornersLeaveTheFacets) {
   const Scene plain = loadedFit(exactFitFile({.exact = false}));
   RoundFaces rounds;
   rounds.faces.push_back({{0, 0, 0}, {0, 0, 1}, kRadius, -0.005, 0.002, false});
-  rounds.segments.push_back(kWanted);
+  rounds.cuts.push_back({kWanted, 0.0});
   rounds.most = 100;
   const RoundedMesh kept = roundFaces(plain.meshes[0], rounds, 0.0);
   EXPECT_TRUE(kept.soup.triangles.empty());

@@ -32,6 +32,9 @@ class MovingRig {
   }
   MovingRig(const MovingRig&) = delete;
 
+  /// Everything stands as in the file again, and nothing is owned.
+  void restart() { state_ = haptics::TickState(contact_); }
+
   /// From the next tick on.
   void own(PartId part) { commands_.push_back({Kind::own, part, pose(part)}); }
   void grasp(PartId part) { commands_.push_back({Kind::grasp, part, {}}); }
