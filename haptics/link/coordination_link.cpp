@@ -74,7 +74,7 @@ void CoordinationLink::follow(double now, const Pose& worldFromCentre, const Twi
   watchRegime(now);
   playOut_.play(now - delay());
   starvedFor_ = 1.0;
-  ramp_ = counted_ = fade_ = share_ = announcedShare_ = unannounced_ = 0.0;
+  ramp_ = counted_ = fade_ = share_ = peerFade_ = announcedShare_ = unannounced_ = 0.0;
   stretch_ = force_ = excess_ = {};
   drawn_ = worldFromCentre;
   twist_ = twist;
@@ -104,15 +104,19 @@ LinkPull CoordinationLink::pull(double now, const Pose& worldFromCentre, const T
     goal.force = trust_.admit(goal.force, -share_ * b_ * (v - lastVelocity_), p_.period);
   }
   lastVelocity_ = v;
+  brake_.advance(kDecay, p_.period);
   decayExcess(v);
   // Energy bound: the wave of a tick of length T spends no more than has arrived and the reserve holds,
   // T |w|^2 / 2 <= goal.energy + reserve.
   const double bound = std::sqrt(std::max(0.0, 2.0 * (goal.energy + reserve_.energy()) / p_.period));
-  wave_ = shortened(waveOf(goal.force + excess_, v), bound);
+  const SixAxes wanted = waveOf(goal.force + excess_, v);
+  wave_ = shortened(wanted, bound);
+  brake_.replace(waveGain() * (wanted - wave_), v);
+  if (!trust_.limits()) brake_.release();  // no hand here would feel it
   pay(peer, goal);
   const SixAxes held = forceOf(wave_, {});
   // While the reserve is not full, extra drag on the replica fills it as soon as the replica moves.
-  drag_ = p_.drag + p_.fillingDrag * (1.0 - reserve_.energy() / LinkReserve::kMax);
+  drag_ = p_.drag + p_.fillingDrag * (1.0 - reserve_.energy() / LinkReserve::kMax) + brake_.damping(v);
   const double damping = seriesDamping() + drag_;
   return {wrenchOf(held, p_.lever), damping, damping * p_.lever * p_.lever};
 }
@@ -171,7 +175,8 @@ void CoordinationLink::fadeIn(const PlayedWave& peer, const Pose& pose) {
   counted_ = unpaidFor_ > 0.0 ? 0.0 : std::min(ramp_, counted_ + step);
   if (counted_ == 1.0) fadeTime_ = p_.fadeTime, isLed_ = false;
   fade_ = minimumJerk(ramp_);
-  share_ = announcedShare_ = std::min(minimumJerk(counted_), peer.state.fade);
+  peerFade_ = std::min(peer.state.fade, peerFade_ + WavePlayOut::kFastestFade * p_.period);
+  share_ = announcedShare_ = std::min(minimumJerk(counted_), peerFade_);
   if (share_ <= kFull) consumedWave_ = peer.state.wave - p_.period * peer.rate;
 }
 
@@ -212,7 +217,9 @@ void CoordinationLink::decayExcess(const SixAxes& v) {
   const double power = dot(excess_, v);
   if (power > 0.0) {
     const double budget = std::max(1e-6, 0.8 * reserve_.energy());
+    const double asked = rate;
     rate = std::min(kMaxDecay, std::max(rate, length(excess_) * power / (2.0 * budget)));
+    brake_.add(std::min(length(excess_), (rate - asked) * p_.period));
   }
   excess_ -= shortened(excess_, rate * p_.period);
 }

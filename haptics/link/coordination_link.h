@@ -22,6 +22,7 @@
 #include <cstdint>
 
 #include "haptics/base/six_axes.h"
+#include "haptics/link/link_brake.h"
 #include "haptics/link/link_regime.h"
 #include "haptics/link/link_reserve.h"
 #include "haptics/link/link_terms.h"
@@ -153,6 +154,7 @@ class CoordinationLink {
   RegimeByAge regime_;
   LinkReserve reserve_;
   LinkTrust trust_;
+  LinkBrake brake_;
   LinkAccount account_;
   bool on_ = false, asks_ = false;
   std::uint32_t epoch_ = 0, sequence_ = 0;
@@ -180,6 +182,7 @@ class CoordinationLink {
   double ramp_ = 0.0;            // 0..1 of the fade-in time
   double counted_ = 0.0;         // 0..1: the same of the waves that arrive
   double fade_ = 0.0;            // 0..1: m
+  double peerFade_ = 0.0;        // 0..1: the peer's, which rises no faster than a fade-in does
   double share_ = 0.0;           // 0..1: g, counted share of the wave, the lesser fade of both ends
   double longestAge_ = 0.0;      // s: greatest age of the newest packet while starved
   SixAxes lastVelocity_;         // m/s, at the beginning of the last tick

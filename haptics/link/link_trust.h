@@ -37,7 +37,7 @@ class LinkTrust {
   SixAxes admit(const SixAxes& said, const SixAxes& own, double dt);
   /// The next force is bridged: it counts as it is.
   void beginAnew(const SixAxes& force) { force_ = force; }
-  /// A packet contradicts the order of those before it, in time or energy.
+  /// A packet contradicts the order of those before it, in time, energy or fade.
   void contradicted();
 
   /// Whether the peer is not believed now.

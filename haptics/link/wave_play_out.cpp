@@ -22,6 +22,11 @@ PlayedWave between(const LinkPacket& before, const LinkPacket& after, double tim
   return played;
 }
 
+/// A peer's fade grows, or has had time to begin anew from zero.
+bool breaksFade(const LinkPacket& before, const LinkPacket& after) {
+  return after.fade < before.fade && after.fade > WavePlayOut::kFastestFade * (after.time - before.time);
+}
+
 }  // namespace
 
 bool isValid(const LinkPacket& p) {
@@ -55,10 +60,12 @@ bool WavePlayOut::receive(const LinkPacket& packet) {
   // The first packet is being played already.
   const bool late = place == 0 && count_ > 0 && at(0).time <= playedTo_;
   const bool known = place > 0 && at(place - 1).sequence == packet.sequence;
-  // Time and energy must grow with the sequence; a peer that violates this is ignored.
+  // Time, energy and fade must grow with the sequence; a peer that violates this is ignored.
   const bool behind =
-      place > 0 && (at(place - 1).time >= packet.time || at(place - 1).energy > packet.energy);
-  const bool ahead = place < count_ && (at(place).time <= packet.time || at(place).energy < packet.energy);
+      place > 0 && (at(place - 1).time >= packet.time || at(place - 1).energy > packet.energy ||
+                    breaksFade(at(place - 1), packet));
+  const bool ahead = place < count_ && (at(place).time <= packet.time || at(place).energy < packet.energy ||
+                                        breaksFade(packet, at(place)));
   contradicted_ = contradicted_ || (!late && !known && (behind || ahead));
   if (late || known || behind || ahead) return false;
   if (count_ == kCapacity) {

@@ -28,6 +28,7 @@ struct PlayedWave {
 
 class WavePlayOut {
  public:
+  static constexpr double kFastestFade = 8.0;    // 1/s: that of a fade-in of 0.25 s, and a little more
   static constexpr std::size_t kCapacity = 256;  // packets: a quarter of a second at 1 kHz
 
   /// Clears the buffer; accepts packets of this epoch from now on.
@@ -40,7 +41,7 @@ class WavePlayOut {
   /// The state of the peer at `time` (s, session clock). Packets that later times do not need are dropped.
   PlayedWave play(double time);
 
-  /// Whether a packet since the last call was dropped because it contradicts others in time or energy.
+  /// Whether a packet since the last call was dropped because it contradicts others in time, energy or fade.
   bool drainContradiction() { return std::exchange(contradicted_, false); }
 
   bool empty() const { return count_ == 0; }

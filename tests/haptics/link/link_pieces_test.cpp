@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "haptics/link/coordination_link.h"
+#include "haptics/link/link_brake.h"
 #include "haptics/link/replica_mass.h"
 #include "haptics/link/wave_play_out.h"
 #include "tests/haptics/link/link_checks.h"
@@ -99,6 +100,33 @@ TEST(WavePlayOut, DropsWhatIsForeignBrokenOrLate) {
   buffer.play(0.021);
   EXPECT_FALSE(buffer.receive(packetAt(3)));
   EXPECT_TRUE(buffer.receive(packetAt(9)));
+}
+
+TEST(WavePlayOut, DropsAFadeThatFallsToWhereItCannotBe) {
+  WavePlayOut buffer;
+  buffer.restart(1);
+  ASSERT_TRUE(buffer.receive(packetAt(5)));
+  LinkPacket falls = packetAt(6), begins = packetAt(7), lost = packetAt(100);
+  falls.fade = 0.8;
+  EXPECT_FALSE(buffer.receive(falls));
+  EXPECT_TRUE(buffer.drainContradiction());
+  // The link of the peer has begun anew, and most packets since were lost.
+  begins.fade = 0.0, lost.fade = 0.5;
+  EXPECT_TRUE(buffer.receive(lost));
+  EXPECT_TRUE(buffer.receive(begins));
+  EXPECT_FALSE(buffer.drainContradiction());
+}
+
+TEST(LinkBrake, HoldsWhatALinkNoLongerHoldsAndLetsGo) {
+  haptics::LinkBrake brake;
+  const SixAxes missing{{1.0, 0.0, 0.0}, {}}, away{{-0.01, 0.0, 0.0}, {}}, along{{0.01, 0.0, 0.0}, {}};
+  brake.replace(missing, along);
+  EXPECT_EQ(brake.damping(along), 0.0);  // what drove the replica
+  brake.replace(missing, away);
+  EXPECT_NEAR(brake.damping(away) * 0.01, 0.9, 1e-9);
+  EXPECT_LT(brake.damping({}), 500.0);
+  for (int i = 0; i < 300; ++i) brake.advance(4.0, 1e-3);
+  EXPECT_EQ(brake.damping(away), 0.0);
 }
 
 TEST(WavePlayOut, BurstLeavesTheNewest) {

@@ -251,8 +251,8 @@ TEST(LyingPeer, KicksNoHandThatHoldsAPartWithIt) {
       const Felt most = mostFelt(lie, doing, true);
       const std::string what =
           std::string(kLieNames[static_cast<int>(lie)]) + ", " + kDoingNames[static_cast<int>(doing)];
-      EXPECT_LE(most.beyond, 0.4) << what;
-      EXPECT_LE(most.step, 0.55) << what;
+      EXPECT_LE(most.beyond, 0.3) << what;
+      EXPECT_LE(most.step, 0.5) << what;  // with what a hand that is drawn along or strokes does itself
       EXPECT_LE(most.work, 10e-3) << what;
     }
   }
@@ -286,6 +286,8 @@ TEST(LyingPeer, IsNamedAndAsIfSilentWhereItPushesAsNoHandDoes) {
 TEST(LyingPeer, KicksAHandThatBelievesIt) {
   const Felt shaken = mostFelt(Lie::shake, Doing::presses, false);
   EXPECT_GT(shaken.step, 1.0);
+  // Without a brake, what it no longer pays for breaks off.
+  EXPECT_GT(mostFelt(Lie::noEnergy, Doing::presses, false).step, 0.35);
   const Felt pushed = mostFelt(Lie::push, Doing::rests, false);
   EXPECT_GT(pushed.step, 1.0);
   EXPECT_GT(pushed.work, 20e-3);
