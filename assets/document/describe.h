@@ -12,8 +12,9 @@
 //   choice(name, enumeration, names)
 //   parts(name, std::vector<PartId>, limit)
 //   list(name, std::vector<T>, limit)     of records with fields of their own
-//   addition(name, T)                     a record that came later, last of its body: what is as in T{} is
-//                                         not written, and what is not there is as in T{}
+//   addition(name, T, another)            a record that came later, behind all else of its body: what is as
+//                                         in T{} is not written, unless another one behind it is, and what
+//                                         is not there is as in T{}
 
 #include <concepts>
 #include <type_traits>
@@ -40,6 +41,10 @@ void fields(auto& a, Is<PartStyle> auto& s) {
   a.choice("colours", s.colouring, kColouringNames);
   a.flag("ghosts", s.ghosts);
 }
+void fields(auto& a, Is<SeenThrough> auto& s) {
+  a.flag("all_but", s.allBut);
+  a.parts("parts", s.parts, kMaxSeenThrough);
+}
 void fields(auto& a, Is<NamedView> auto& v) {
   a.text("name", v.name, kMaxName);
   a.pose("camera", v.worldFromCamera);
@@ -47,7 +52,8 @@ void fields(auto& a, Is<NamedView> auto& v) {
   a.list("sections", v.sections, kMaxSections);
   a.flag("only_these", v.onlyThese);
   a.parts("parts", v.parts, kMaxListed);
-  a.addition("style", v.style);
+  a.addition("style", v.style, v.seenThrough != SeenThrough{});
+  a.addition("seen_through", v.seenThrough, false);
 }
 void fields(auto& a, Is<Note> auto& n) {
   a.text("text", n.text, kMaxText);

@@ -49,7 +49,7 @@ class JsonWriter {
     object_[name] = std::move(elements);
   }
   template <typename T>
-  void addition(const char* name, const T& value) {
+  void addition(const char* name, const T& value, bool) {
     if (value == T{}) return;
     object_[name] = Json::object();
     JsonWriter writer(object_[name]);
@@ -122,7 +122,7 @@ class JsonReader {
     }
   }
   template <typename T>
-  void addition(const char* name, T& value) {
+  void addition(const char* name, T& value, bool) {
     if (!object_.contains(name)) return;
     JsonReader reader(at(name));
     fields(reader, value);

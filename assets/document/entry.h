@@ -24,13 +24,14 @@ using EntryId = std::uint64_t;
 /// The server's order of all changes of the document, from 1.
 using Revision = std::uint64_t;
 
-inline constexpr std::size_t kMaxName = 128;     // bytes, UTF-8
-inline constexpr std::size_t kMaxText = 2000;    // bytes, UTF-8
-inline constexpr std::size_t kMaxSections = 8;   // of a view
-inline constexpr std::size_t kMaxAnchors = 4;    // of a measure
-inline constexpr std::size_t kMaxListed = 4096;  // parts of a view or a group
-inline constexpr std::size_t kMaxApart = 2048;   // parts that a view draws apart, unless it is all
-inline constexpr std::size_t kMaxPoses = 240;    // of a saved state; larger ones are several entries
+inline constexpr std::size_t kMaxName = 128;          // bytes, UTF-8
+inline constexpr std::size_t kMaxText = 2000;         // bytes, UTF-8
+inline constexpr std::size_t kMaxSections = 8;        // of a view
+inline constexpr std::size_t kMaxAnchors = 4;         // of a measure
+inline constexpr std::size_t kMaxListed = 4096;       // parts of a view or a group
+inline constexpr std::size_t kMaxApart = 2048;        // parts that a view draws apart, unless it is all
+inline constexpr std::size_t kMaxSeenThrough = 1024;  // parts of a view that are transparent, or are not
+inline constexpr std::size_t kMaxPoses = 240;         // of a saved state; larger ones are several entries
 
 /// The entry is no more. Its id is kept for a while, so that whoever removed it can take that back.
 struct Removed {};
@@ -63,6 +64,12 @@ struct PartStyle {
   bool ghosts = false;  // what is hidden is still seen, faintly
   friend bool operator==(const PartStyle&, const PartStyle&) = default;
 };
+/// Which parts of a view are transparent.
+struct SeenThrough {
+  bool allBut = false;  // all but `parts` are, else `parts`
+  std::vector<PartId> parts;
+  friend bool operator==(const SeenThrough&, const SeenThrough&) = default;
+};
 struct NamedView {
   std::string name;
   Pose worldFromCamera;
@@ -71,6 +78,7 @@ struct NamedView {
   bool onlyThese = false;  // `parts` are all that is shown; else they are hidden
   std::vector<PartId> parts;
   PartStyle style;
+  SeenThrough seenThrough{};
 };
 
 enum class NoteStatus : std::uint8_t { open, inProgress, resolved, closed };

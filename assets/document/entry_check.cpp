@@ -61,8 +61,8 @@ class Checker {
     for (const T& value : values) fields(*this, value);
   }
   template <typename T>
-  void addition(const char*, const T& value) {
-    if (value != T{}) fields(*this, value);
+  void addition(const char*, const T& value, bool another) {
+    if (value != T{} || another) fields(*this, value);
   }
 
  private:

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 
+#include "assets/base/printable.h"
 #include "assets/gltf/gltf_error.h"
 #include "assets/gltf/gltf_json.h"
 #include "assets/scene/value_ranges.h"
@@ -16,6 +17,7 @@ namespace {
 constexpr double kUneven = 1e-6;   // by which a scale may differ between directions
 constexpr double kNotUnit = 1e-3;  // by which the length of an axis may be off
 constexpr double kLongest = 1e6;   // m, radius or height
+constexpr std::size_t kMostOfNode = 200, kLongestTolerance = 200;  // tolerances; bytes of one
 
 /// How much a map scales all directions alike; nothing if it does not.
 std::optional<double> evenScale(const glm::dmat4& map) {
@@ -87,6 +89,19 @@ RoundFaces readRoundFaces(const GltfDocument& document, const std::vector<MeshPi
     }
   }
   return found;
+}
+
+std::vector<std::string> readTolerances(const GltfDocument& document, std::size_t gltfNode) {
+  std::vector<std::string> stated;
+  const Json& list =
+      document.json.member("nodes").at(gltfNode).member("extras").member("cad").member("tolerances");
+  if (!list.isArray()) return stated;
+  for (std::size_t i = 0; i < list.size() && stated.size() < kMostOfNode; ++i) {
+    if (!list.at(i).isText()) continue;
+    std::string words = printable(list.at(i).text(), kLongestTolerance);
+    if (!words.empty()) stated.push_back(std::move(words));
+  }
+  return stated;
 }
 
 }  // namespace tandem::assets

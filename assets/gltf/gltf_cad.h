@@ -1,9 +1,10 @@
 #pragma once
 
-// The exact cylinders of faces that extras.cad of meshes states, see assets/cad_import. For the loader's
-// sources only.
+// The exact cylinders of faces that extras.cad of meshes states, and the tolerances that it states of nodes,
+// see assets/cad_import. For the loader's sources only.
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "assets/gltf/gltf_document.h"
@@ -16,5 +17,9 @@ namespace tandem::assets {
 /// those that a piece scales or shears out of round; none of them refuses the file.
 RoundFaces readRoundFaces(const GltfDocument& document, const std::vector<MeshPiece>& pieces,
                           std::uint64_t& damaged);
+
+/// The dimensions and tolerances that a node states, in words as they may be shown. What is none is passed
+/// over: other programs too may write an extras.cad.
+std::vector<std::string> readTolerances(const GltfDocument& document, std::size_t gltfNode);
 
 }  // namespace tandem::assets

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <map>
+#include <set>
+#include <utility>
 
 #include "assets/base/affine.h"
 #include "assets/base/parallel.h"
@@ -21,6 +23,7 @@
 #include "assets/mesh/mesh_analysis.h"
 #include "assets/scene/field_check.h"
 #include "assets/scene/near_names.h"
+#include "assets/scene/stated_tolerances.h"
 #include "assets/scene/value_ranges.h"
 
 namespace tandem::assets {
@@ -39,6 +42,8 @@ bool isKnown(const std::string& extension) {
   return std::find(std::begin(kKnownExtensions), std::end(kKnownExtensions), extension) !=
          std::end(kKnownExtensions);
 }
+
+constexpr std::size_t kMostTolerances = 2000;  // of a scene, that are shown
 
 /// The mesh of one distinct geometry while it is being built.
 struct Analysed {
@@ -351,6 +356,34 @@ class SceneBuilder {
     for (const Finding& finding : physics_.findings) scene_.findings.push_back(finding);
     for (const Finding& finding : plan_.findings) scene_.findings.push_back(finding);
     for (std::size_t i = 0; i < meshes_.size(); ++i) addMeshFindings(meshes_[i], whereOf_[i]);
+    addTolerances();
+  }
+
+  /// What is stated of a node is its part's, else its group's, unless that says the same of what is below it.
+  void addTolerances() {
+    std::vector<std::vector<std::string>> stated(plan_.nodes.size());
+    std::vector<std::set<std::string>> below(plan_.nodes.size());
+    for (std::size_t i = 0; i < stated.size(); ++i) {
+      stated[i] = readTolerances(document_, plan_.nodes[i].gltfNode);
+      if (const std::uint32_t parent = plan_.nodes[i].parent; parent != kNone)
+        below[parent].insert(stated[i].begin(), stated[i].end());
+    }
+    std::uint64_t leftOut = 0;
+    std::set<std::pair<std::string, std::string>> known;
+    for (std::size_t i = 0; i < stated.size(); ++i) {
+      const std::uint32_t planned = plan_.partOfNode[i];
+      const PartId part = planned == kNone ? kNoPart : partIds_[planned];
+      const std::string& where = part == kNoPart ? scene_.tree[i].name : scene_.parts[part].name;
+      for (const std::string& words : stated[i]) {
+        if (part == kNoPart && below[i].contains(words)) continue;
+        if (known.size() >= kMostTolerances)
+          ++leftOut;
+        else if (known.emplace(where, words).second)
+          addFinding(Finding::Severity::note, kStatedTolerance, where, 1, words);
+      }
+    }
+    addFinding(Finding::Severity::note, "tolerances-left-out", "", leftOut,
+               "Tolerances of the file are too many to be shown.");
   }
 
   static std::string feltText(const RoundedMesh& rounded) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <utility>
@@ -7,6 +8,7 @@
 #include "assets/base/percentiles.h"
 #include "assets/mesh/fit_findings.h"
 #include "assets/scene/scene_size.h"
+#include "assets/scene/stated_tolerances.h"
 #include "client/base/readable.h"
 #include "client/commands/check_clashes.h"
 #include "client/commands/check_contact.h"
@@ -240,10 +242,15 @@ void print(const assets::Scene& scene, const std::vector<StylusModel>& models,
   printRemarks("surface", features.surfaces);
   printRemarks("field", features.fields);
   printRemarks("control", features.controls);
-  if (scene.findings.empty()) std::printf("no findings: a clean file\n");
+  const auto isTolerance = [](const assets::Finding& f) { return f.code == assets::kStatedTolerance; };
   for (const assets::Finding& f : scene.findings)
-    std::printf("%-8s %6llu  %s%s%s\n", severity(f.severity), static_cast<unsigned long long>(f.count),
-                f.message.c_str(), f.where.empty() ? "" : "  in ", f.where.c_str());
+    if (isTolerance(f)) std::printf("tolerance %s: %s\n", f.where.c_str(), f.message.c_str());
+  if (std::all_of(scene.findings.begin(), scene.findings.end(), isTolerance))
+    std::printf("no findings: a clean file\n");
+  for (const assets::Finding& f : scene.findings)
+    if (!isTolerance(f))
+      std::printf("%-8s %6llu  %s%s%s\n", severity(f.severity), static_cast<unsigned long long>(f.count),
+                  f.message.c_str(), f.where.empty() ? "" : "  in ", f.where.c_str());
   std::printf(
       "\nstiffest stable contact: %.0f N/m on %s (damping %.2f N*s/m, 1 kHz, delay in the loop %.1f ms); "
       "%.0f N/m under the passivity controller, as 'tandem join' has it\n",

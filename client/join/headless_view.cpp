@@ -94,6 +94,8 @@ void HeadlessView::keepIn(document::NamedView& view, const ViewModel& model) con
   view.style = style(model);
   view.parts = hidden_;
   if (!following_.followsView()) return;
+  view.seenThrough = seenThroughOf(model.worldFromPart.size(),
+                                   [&](PartId part) { return model.presenting.seesThrough(part); });
   view.parts.clear();
   for (std::size_t part = 0; part < model.worldFromPart.size() && view.parts.size() < document::kMaxListed;
        ++part)

@@ -120,6 +120,7 @@ NamedView viewAs(std::string name, const Camera& camera, const SectionSet& secti
   view.onlyThese = shown.size() < view.parts.size();
   if (view.onlyThese) view.parts = std::move(shown);
   if (view.parts.size() > kMaxListed) view.parts.resize(kMaxListed);
+  view.seenThrough = seenThroughOf(parts.partCount(), [&](PartId part) { return parts.transparent(part); });
   return view;
 }
 
@@ -130,6 +131,10 @@ void applyView(const NamedView& view, SectionSet& sections, PartDisplay& parts) 
   parts.showAll();
   parts.style = view.style;
   std::erase_if(parts.style.apart, [&](PartId part) { return part >= parts.partCount(); });
+  for (std::size_t p = 0; p < parts.partCount() && view.seenThrough.allBut; ++p)
+    parts.setTransparent(static_cast<PartId>(p), true);
+  for (const PartId part : view.seenThrough.parts)
+    if (part < parts.partCount()) parts.setTransparent(part, !view.seenThrough.allBut);
   if (view.onlyThese && !known.empty()) return parts.isolate(known);
   for (const PartId part : known) parts.setHidden(part, true);
 }

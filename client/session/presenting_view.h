@@ -57,6 +57,18 @@ struct SeenParts {
   SeesThrough seesThrough;
 };
 
+/// The parts that a view shows as transparent, by a test of each.
+template <typename SeesThrough>
+document::SeenThrough seenThroughOf(std::size_t partCount, const SeesThrough& seesThrough) {
+  std::vector<PartId> through, others;
+  for (std::size_t p = 0; p < partCount; ++p)
+    (seesThrough(static_cast<PartId>(p)) ? through : others).push_back(static_cast<PartId>(p));
+  document::SeenThrough seen{others.size() < through.size(), {}};
+  seen.parts = std::move(seen.allBut ? others : through);
+  if (seen.parts.size() > document::kMaxSeenThrough) seen.parts.resize(document::kMaxSeenThrough);
+  return seen;
+}
+
 /// Puts what a person sees into what the others are shown, as far as it is shared.
 template <typename Hides, typename SeesThrough>
 void shareView(sync::Presentation& shown, const std::vector<document::SectionPlane>& sections,

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "assets/scene/stated_tolerances.h"
 #include "client/picture/colours.h"
 
 namespace tandem::client {
@@ -124,6 +125,10 @@ void drawRight(const PanelContext& context, const Rect& rect) {
   if (context.model.role != sync::Role::observer) section(context, "Hand", drawHand);
   if (context.model.scene && !context.model.scene->controls.empty())
     section(context, "Controls", drawControls);
+  const PartId selected = context.ui.parts.selected;
+  if (context.model.scene && selected != kNoPart &&
+      !assets::statedTolerances(*context.model.scene, selected).empty())
+    section(context, "Tolerances", drawTolerances);
   if (!context.model.replay) section(context, "Network", drawNetwork);
   if (context.model.scene) section(context, "Sections", drawSections, context.ui.sections.any());
   if (context.model.scene && context.model.scene->parts.size() > 1)

@@ -72,6 +72,8 @@ void drawClashes(const PanelContext& context);
 /// The notes and views of the session's document, and what the person writes.
 void drawNotes(const PanelContext& context);
 void drawHand(const PanelContext& context);
+/// The dimensions and tolerances that the file states of the selected part.
+void drawTolerances(const PanelContext& context);
 void drawNetwork(const PanelContext& context);
 void drawSettings(const PanelContext& context);
 

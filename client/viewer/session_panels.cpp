@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "assets/scene/stated_tolerances.h"
 #include "client/picture/colours.h"
 #include "client/session/doubt_words.h"
 #include "client/session/holding_words.h"
@@ -231,6 +232,13 @@ void drawHand(const PanelContext& context) {
   drawStripChart(chart, model.loop.recentForce_n, 72.0f * context.scale, context.fonts.small);
   drawLoop(context);
   drawFlags(context);
+}
+
+void drawTolerances(const PanelContext& context) {
+  const assets::Scene& scene = *context.model.scene;
+  const PartId part = context.ui.parts.selected;
+  wrapped(theme::kMuted, scene.parts[part].name);
+  for (const std::string& words : assets::statedTolerances(scene, part)) wrapped(theme::kText, words);
 }
 
 void drawNetwork(const PanelContext& context) {

@@ -55,8 +55,8 @@ class EntryWriter {
     for (const T& value : values) fields(*this, value);
   }
   template <typename T>
-  void addition(const char*, const T& value) {
-    if (value != T{}) fields(*this, value);
+  void addition(const char*, const T& value, bool another) {
+    if (value != T{} || another) fields(*this, value);
   }
 };
 
@@ -112,12 +112,12 @@ class EntryReader {
     values.resize(count(limit, 1));
     for (T& value : values) fields(*this, value);
   }
-  /// What is there says something, so that every entry has one encoding.
+  /// What stands last says something, so that every entry has one encoding.
   template <typename T>
-  void addition(const char*, T& value) {
+  void addition(const char*, T& value, bool) {
     if (bytes_.empty()) return;
     fields(*this, value);
-    failed_ = failed_ || value == T{};
+    failed_ = failed_ || (value == T{} && bytes_.empty());
   }
 
  private:

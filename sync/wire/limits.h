@@ -9,7 +9,7 @@
 
 namespace tandem::sync {
 
-inline constexpr std::uint16_t kProtocolVersion = 13;  // of a connection
+inline constexpr std::uint16_t kProtocolVersion = 14;  // of a connection
 inline constexpr std::uint8_t kStateVersion = 2;       // of a datagram by itself, on a wire or in a recording
 
 inline constexpr std::size_t kMaxNameLength = 64;         // bytes, UTF-8

@@ -106,6 +106,22 @@ def check_fixture(importer):
     expect(0.00009 < deepest < 0.00013, f"oversize: pins 0.1 mm too thick are {deepest} m deep")
 
 
+def check_tolerances(importer):
+    """What the file states of a part stands beside it in the import's report and in `tandem check`."""
+    step = importer.make("toleranced")
+    told, _ = importer.scene(step)
+    stated = {(each["part"], each["said"]) for each in told["tolerances"]}
+    pin = ("diameter 10 mm +0.018 -0.002", "cylindricity 0.01 mm")
+    expected = {(name, words) for name in ("left pin", "pin") for words in pin}
+    expected.add(("housing", "flatness 0.05 mm"))
+    expect(stated == expected, f"tolerances: {stated}")
+    done = subprocess.run([importer.binaries / "tandem", "check", step], capture_output=True, text=True,
+                          env={**os.environ, "XDG_CACHE_HOME": str(importer.folder / "cache")})
+    lines = {line for line in done.stdout.splitlines() if line.startswith("tolerance ")}
+    expect(lines == {f"tolerance {name}: {words}" for name, words in expected},
+           f"tolerances: {done.returncode} {lines} {done.stderr}")
+
+
 def check_bearing(importer):
     """The scene of `client/demo review` is what make_step writes, and its script names parts that it has."""
     def solids(path):  # in no order: the writer's own differs from run to run
@@ -317,6 +333,7 @@ def main():
         importer = Importer(binaries, pathlib.Path(folder))
         check_links(importer)
         check_fixture(importer)
+        check_tolerances(importer)
         check_bearing(importer)
         check_units(importer)
         check_meshes(importer)

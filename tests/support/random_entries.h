@@ -38,6 +38,7 @@ class RandomEntries {
         for (std::uint32_t n = number(3); n > 0; --n) view.sections.push_back({vector(), vector()});
         if (number(2) == 0)
           view.style = {0.25 * number(5), parts(), static_cast<PartColouring>(number(4)), number(2) == 0};
+        if (number(2) == 0) view.seenThrough = {number(2) == 0, parts()};
         return view;
       }
       case 2:

@@ -1,6 +1,7 @@
 // make_step CASE OUT.step [UNIT]: STEP files with a known answer, for the tests of tandem-import.
 //   fixture    a block with two bores, a pin of their diameter in each, turned by odd angles; a sketch
 //   oversize   the same with pins 0.1 mm too thick
+//   toleranced the fixture with a diameter and a cylindricity stated of the pin, and a flatness of the block
 //   thousand   a thousand parts of a hundred shapes
 //   bearing    a shaft in a plain bearing, whose cap has four bolts, one of them too long for its hole: the
 //              scene assets/scenes/bearing.step of `client/demo review`
@@ -9,6 +10,7 @@
 #include <cstdio>
 #include <string>
 
+#include <BRepAdaptor_Surface.hxx>
 #include <BRepAlgoAPI_Cut.hxx>
 #include <BRepAlgoAPI_Fuse.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
@@ -19,14 +21,20 @@
 #include <Message_Messenger.hxx>
 #include <Message_Printer.hxx>
 #include <Quantity_Color.hxx>
+#include <STEPCAFControl_Controller.hxx>
 #include <STEPCAFControl_Writer.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <TDataStd_Name.hxx>
 #include <TDocStd_Document.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
+#include <XCAFDimTolObjects_DimensionObject.hxx>
+#include <XCAFDimTolObjects_GeomToleranceObject.hxx>
 #include <XCAFDoc_ColorTool.hxx>
+#include <XCAFDoc_DimTolTool.hxx>
+#include <XCAFDoc_Dimension.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
+#include <XCAFDoc_GeomTolerance.hxx>
 #include <XCAFDoc_MaterialTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
 #include <gp_Ax2.hxx>
@@ -71,21 +79,55 @@ class StepFile {
                       text("POSITIVE_RATIO_MEASURE"));
   }
 
+  void diameter(const TDF_Label& product, const TopoDS_Shape& face, double value, double upper,
+                double lower) {
+    const TDF_Label label = tolerances()->AddDimension();
+    Handle(XCAFDoc_Dimension) dimension;
+    label.FindAttribute(XCAFDoc_Dimension::GetID(), dimension);
+    Handle(XCAFDimTolObjects_DimensionObject) object = new XCAFDimTolObjects_DimensionObject();
+    object->SetType(XCAFDimTolObjects_DimensionType_Size_Diameter);
+    object->SetValue(value);
+    object->SetUpperTolValue(upper);
+    object->SetLowerTolValue(lower);
+    dimension->SetObject(object);
+    tolerances()->SetDimension(shapes_->AddSubShape(product, face), label);
+  }
+  void tolerance(const TDF_Label& product, const TopoDS_Shape& face, XCAFDimTolObjects_GeomToleranceType type,
+                 double value) {
+    const TDF_Label label = tolerances()->AddGeomTolerance();
+    Handle(XCAFDoc_GeomTolerance) tolerance;
+    label.FindAttribute(XCAFDoc_GeomTolerance::GetID(), tolerance);
+    Handle(XCAFDimTolObjects_GeomToleranceObject) object = new XCAFDimTolObjects_GeomToleranceObject();
+    object->SetType(type);
+    object->SetValue(value);
+    tolerance->SetObject(object);
+    tolerances()->SetGeomTolerance(shapes_->AddSubShape(product, face), label);
+  }
+
   bool write(const char* path, const char* unit) {
     shapes_->UpdateAssemblies();
+    STEPCAFControl_Controller::Init();
     Interface_Static::SetCVal("write.step.unit", unit);
+    // Tolerances are of AP242 alone.
+    if (toleranced_) Interface_Static::SetCVal("write.step.schema", "AP242DIS");
     STEPCAFControl_Writer writer;
     writer.SetColorMode(true);
     writer.SetNameMode(true);
+    writer.SetDimTolMode(true);
     return writer.Transfer(document_, STEPControl_AsIs) && writer.Write(path) == IFSelect_RetDone;
   }
 
  private:
+  Handle(XCAFDoc_DimTolTool) tolerances() {
+    toleranced_ = true;
+    return XCAFDoc_DocumentTool::DimTolTool(document_->Main());
+  }
   static void name(const TDF_Label& label, const char* called) { TDataStd_Name::Set(label, called); }
 
   Handle(TDocStd_Document) document_;
   Handle(XCAFDoc_ShapeTool) shapes_;
   TDF_Label top_;
+  bool toleranced_ = false;
 };
 
 TopoDS_Shape cylinder(double x, double y, double z, double radius, double length) {
@@ -99,9 +141,19 @@ TopoDS_Shape block(double thickness) {
   return TopExp_Explorer(solid, TopAbs_SOLID).Current();
 }
 
-void addFixture(StepFile& file, double pinRadius) {
-  const TDF_Label body = file.add(block(20.0), "body");
-  const TDF_Label pin = file.add(cylinder(0.0, 0.0, 0.0, pinRadius, 40.0), "pin");
+/// The first face of a shape that lies on a surface of this kind.
+TopoDS_Face faceOf(const TopoDS_Shape& shape, GeomAbs_SurfaceType kind) {
+  for (TopExp_Explorer faces(shape, TopAbs_FACE); faces.More(); faces.Next()) {
+    const TopoDS_Face face = TopoDS::Face(faces.Current());
+    if (BRepAdaptor_Surface(face).GetType() == kind) return face;
+  }
+  return {};
+}
+
+void addFixture(StepFile& file, double pinRadius, bool toleranced = false) {
+  const TopoDS_Shape ofBody = block(20.0), ofPin = cylinder(0.0, 0.0, 0.0, pinRadius, 40.0);
+  const TDF_Label body = file.add(ofBody, "body");
+  const TDF_Label pin = file.add(ofPin, "pin");
   const TDF_Label sketch =
       file.add(BRepBuilderAPI_MakeFace(gp_Pln(), -50.0, 50.0, -50.0, 50.0).Shape(), "sketch");
   file.colour(pin, Quantity_Color(1.0, 0.0, 0.0, Quantity_TOC_RGB));
@@ -110,6 +162,11 @@ void addFixture(StepFile& file, double pinRadius) {
   file.place(pin, "left pin", {15, 20, -10}, 17.0);
   file.place(pin, "", {45, 20, -10}, -33.0);
   file.place(sketch, "sketch", {0, 0, 0}, 0.0);
+  if (!toleranced) return;
+  const TopoDS_Face round = faceOf(ofPin, GeomAbs_Cylinder);
+  file.diameter(pin, round, 2.0 * pinRadius, 0.018, 0.002);
+  file.tolerance(pin, round, XCAFDimTolObjects_GeomToleranceType_Cylindricity, 0.01);
+  file.tolerance(body, faceOf(ofBody, GeomAbs_Plane), XCAFDimTolObjects_GeomToleranceType_Flatness, 0.05);
 }
 
 void addThousand(StepFile& file) {
@@ -175,6 +232,7 @@ int main(int argc, char** argv) {
   StepFile file(which.c_str());
   if (which == "fixture") addFixture(file, kHoleRadius);
   if (which == "oversize") addFixture(file, kHoleRadius + 0.1);
+  if (which == "toleranced") addFixture(file, kHoleRadius, true);
   if (which == "thousand") addThousand(file);
   if (which == "bearing") addBearing(file);
   return file.write(argv[2], argc > 3 ? argv[3] : "MM") ? 0 : 1;

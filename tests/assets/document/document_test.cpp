@@ -202,6 +202,10 @@ TEST(DocumentJson, AViewWithoutAStyleIsAsMadeAndAnUnknownPartOfOneIsRefused) {
   const auto styled =
       read(R"(, "style": {"explode": 0.5, "apart": [1], "colours": "by body", "ghosts": true})");
   ASSERT_TRUE(styled) << styled.error().message;
+  const auto through = read(R"(, "seen_through": {"all_but": true, "parts": [2]})");
+  ASSERT_TRUE(through) << through.error().message;
+  EXPECT_EQ(std::get<NamedView>(through->entries[0].body).seenThrough, (SeenThrough{true, {2}}));
+  EXPECT_EQ(std::get<NamedView>(through->entries[0].body).style, PartStyle{});
   EXPECT_EQ(std::get<NamedView>(styled->entries[0].body).style,
             (PartStyle{0.5, {1}, PartColouring::byBody, true}));
   for (const char* wrong :

@@ -8,6 +8,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/scene/stated_tolerances.h"
 #include "tests/assets/gltf/findings.h"
 #include "tests/assets/gltf/load_for_test.h"
 #include "tests/support/exact_fit_file.h"
@@ -176,6 +177,53 @@ TEST(ExactCylinders, OfRandomNumbersMakeNoMeshUnsound) {
     const Scene scene = loadedFit(file);
     for (const Mesh& mesh : scene.meshes) EXPECT_TRUE(mesh.closed) << run;
   }
+}
+
+Json stating(Json tolerances) { return Json{{"cad", {{"tolerances", std::move(tolerances)}}}}; }
+
+TEST(StatedTolerances, BelongToTheirPartOrGroup) {
+  tests::GltfBuilder b;
+  const int box = b.addBox(1, 2, 3);
+  // Two bodies of one product, each of which has what is stated of the product.
+  const Json product = stating({"flatness 0.05 mm"});
+  const int first = b.addOrphan({{"name", "rib"}, {"mesh", box}, {"extras", product}});
+  const int second = b.addOrphan({{"name", "web"}, {"mesh", box}, {"extras", product}});
+  const int frame = b.addOrphan({{"name", "frame"}, {"children", {first, second}}, {"extras", product}});
+  const int pin = b.addOrphan({{"name", "pin"},
+                               {"mesh", box},
+                               {"extras", stating({"diameter 12 mm +0.018 -0", "cylindricity 0.01 mm",
+                                                   "diameter 12 mm +0.018 -0"})}});
+  const int press =
+      b.addOrphan({{"name", "press"}, {"children", {frame, pin}}, {"extras", stating({"length 80 mm"})}});
+  b.addNode({{"name", "press"}, {"children", {press}}});
+  const Scene scene = loaded(b);
+  ASSERT_EQ(scene.parts.size(), 3u);
+  const auto of = [&](const char* name) { return statedTolerances(scene, findPart(scene, name)); };
+  using Words = std::vector<std::string>;
+  EXPECT_EQ(of("rib"), (Words{"flatness 0.05 mm", "press: length 80 mm"}));
+  EXPECT_EQ(of("web"), (Words{"flatness 0.05 mm", "press: length 80 mm"}));
+  EXPECT_EQ(of("pin"), (Words{"diameter 12 mm +0.018 -0", "cylindricity 0.01 mm", "press: length 80 mm"}));
+}
+
+TEST(StatedTolerances, OfAHostileFileAreFewPrintableAndShort) {
+  tests::GltfBuilder b;
+  const int box = b.addBox(1, 2, 3);
+  for (const Json& none : {Json(7), Json("flat"), Json{{"a", 1}}, Json{1, nullptr, ""}})
+    b.addNode({{"name", "none"}, {"mesh", box}, {"extras", stating(none)}});
+  b.addNode({{"name", "loud"}, {"mesh", box}, {"extras", stating({"\x1b[2J", std::string(5000, 'x')})}});
+  Json many = Json::array();
+  for (int i = 0; i < 500; ++i) many.push_back("length " + std::to_string(i) + " mm");
+  for (int i = 0; i < 15; ++i) b.addNode({{"name", "many"}, {"mesh", box}, {"extras", stating(many)}});
+  const Scene scene = loaded(b);
+  EXPECT_TRUE(statedTolerances(scene, findPart(scene, "none")).empty());
+  const std::vector<std::string> loud = statedTolerances(scene, findPart(scene, "loud"));
+  ASSERT_EQ(loud.size(), 2u);
+  EXPECT_EQ(loud[0], "?[2J");
+  EXPECT_EQ(loud[1].size(), 200u);
+  EXPECT_EQ(statedTolerances(scene, findPart(scene, "many")).size(), 200u);
+  const Finding* leftOut = findingOf(scene, "tolerances-left-out");
+  ASSERT_NE(leftOut, nullptr);
+  EXPECT_EQ(leftOut->count, 15u * 200u + 2u - 2000u);
 }
 
 }  // namespace

@@ -111,7 +111,7 @@ TEST_F(NoteLists, AChangeKeepsWhatItDoesNotChange) {
   EXPECT_EQ(now.text, "bolt");
 }
 
-TEST_F(NoteLists, AViewGivesBackCameraSectionsAndHiddenParts) {
+TEST_F(NoteLists, AViewGivesBackCameraSectionsAndHowPartsAreSeen) {
   Camera camera;
   camera.target = {0.1, 0.2, 0.3};
   camera.distance = 0.7;
@@ -123,6 +123,7 @@ TEST_F(NoteLists, AViewGivesBackCameraSectionsAndHiddenParts) {
   sections.oblique.push_back({{0.0, 0.6, 0.8}, 0.02});
   PartDisplay parts(3);
   parts.setHidden(1, true);
+  parts.setTransparent(2, true);
   parts.style = {0.5, {0, 2}, document::PartColouring::byBody, true};
   const NamedView view = viewAs("inside", camera, sections, parts);
   Camera like;
@@ -134,6 +135,7 @@ TEST_F(NoteLists, AViewGivesBackCameraSectionsAndHiddenParts) {
   sectionsAgain.beyond[1] = 1.0;
   PartDisplay partsAgain(3);
   partsAgain.isolate({0});
+  partsAgain.setTransparent(0, true);
   applyView(view, sectionsAgain, partsAgain);
   EXPECT_EQ(sectionsAgain.beyond, sections.beyond);
   EXPECT_EQ(sectionsAgain.before, sections.before);
@@ -142,6 +144,18 @@ TEST_F(NoteLists, AViewGivesBackCameraSectionsAndHiddenParts) {
   EXPECT_NEAR(sectionsAgain.oblique[0].place, 0.02, 1e-12);
   EXPECT_TRUE(partsAgain.visible(0) && !partsAgain.visible(1) && partsAgain.visible(2));
   EXPECT_EQ(partsAgain.style, parts.style);
+  const auto transparent = [](const PartDisplay& display) {
+    return std::vector<bool>{display.transparent(0), display.transparent(1), display.transparent(2)};
+  };
+  EXPECT_EQ(transparent(partsAgain), (std::vector<bool>{false, false, true}));
+  EXPECT_EQ(view.seenThrough, (document::SeenThrough{false, {2}}));
+  // Where most are transparent the others are listed; a part that the scene has not is left out.
+  parts.setTransparent(0, true);
+  NamedView through = viewAs("through", camera, sections, parts);
+  EXPECT_EQ(through.seenThrough, (document::SeenThrough{true, {1}}));
+  through.seenThrough.parts.push_back(99);
+  applyView(through, sectionsAgain, partsAgain);
+  EXPECT_EQ(transparent(partsAgain), (std::vector<bool>{true, false, true}));
   // With more hidden than shown, what is shown is listed; a part that the scene has not is left out.
   parts.setHidden(0, true);
   NamedView most = viewAs("lid", camera, {}, parts);
