@@ -88,22 +88,33 @@ class ChangeMaker {
       known_[topic.guid] = &topic;
       for (const TopicComment& comment : topic.comments) comments_[comment.guid] = comment.entry;
     }
-    for (const auto& [id, entry] : there.document.entries()) {
-      if (const auto* note = std::get_if<Note>(&entry.body)) notes_.emplace(trimmed(note->text), id);
-      if (const auto* view = std::get_if<NamedView>(&entry.body)) views_.emplace(view->name, id);
-      if (const auto* clash = std::get_if<ClashVerdict>(&entry.body))
-        clashes_.emplace(pairOf(clash->a, clash->b), id);
-      if (const auto* comment = std::get_if<Comment>(&entry.body))
-        texts_[comment->note].insert(trimmed(comment->text));
+    for (const auto& [id, entry] : there.document.entries()) index(id, entry.body);
+  }
+
+  /// Changes an entry that is known by its GUID. What is alike is then looked for among the texts as they
+  /// become, as it will be when the file comes again.
+  void takeKnown(const Topic& topic) {
+    if (const auto known = known_.find(topic.guid); known != known_.end())
+      change(
+          known->second->entry, [&](Body& body) { return revise(body, *known->second, topic); },
+          topic.changed);
+  }
+  /// The same of comments, after takeKnown() of all topics.
+  void takeKnownComments(const Topic& topic) {
+    for (const TopicComment& comment : topic.comments) {
+      const auto known = comments_.find(comment.guid);
+      if (known == comments_.end()) continue;
+      need(reference(there_.document.find(known->second)->body));
+      const auto revise = [&](Body& body) { return assignText(std::get<Comment>(body).text, comment.text); };
+      change(known->second, revise, comment.changed);
     }
   }
 
+  /// After all that is known.
   void take(const Topic& topic) {
     EntryId entry = 0;
     if (const auto known = known_.find(topic.guid); known != known_.end()) {
       entry = known->second->entry;
-      change(
-          entry, [&](Body& body) { return revise(body, *known->second, topic); }, topic.changed);
     } else if (entry = alike(topic); entry != 0) {
       change(
           entry, [&](Body& body) { return setStatus(body, topic); }, topic.changed);
@@ -116,6 +127,21 @@ class ChangeMaker {
   TopicChanges changes() && { return std::move(changes_); }
 
  private:
+  /// Makes an entry known by what it says.
+  void index(EntryId id, const Body& body) {
+    if (const auto* note = std::get_if<Note>(&body)) notes_[trimmed(note->text)].insert(id);
+    if (const auto* view = std::get_if<NamedView>(&body)) views_[view->name].insert(id);
+    if (const auto* clash = std::get_if<ClashVerdict>(&body)) clashes_[pairOf(clash->a, clash->b)].insert(id);
+    if (const auto* comment = std::get_if<Comment>(&body)) ++texts_[comment->note][trimmed(comment->text)];
+  }
+  /// The same, by what it says now instead of what it said.
+  void indexAgain(EntryId id, const Body& before, const Body& now) {
+    if (const auto* note = std::get_if<Note>(&before)) notes_[trimmed(note->text)].erase(id);
+    if (const auto* view = std::get_if<NamedView>(&before)) views_[view->name].erase(id);
+    if (const auto* comment = std::get_if<Comment>(&before)) --texts_[comment->note][trimmed(comment->text)];
+    index(id, now);
+  }
+
   std::string credited(const std::string& author, const std::string& text) const {
     if (author.empty() || author == name_) return text;
     return printable('[' + author + "] " + text, kMaxText);
@@ -134,13 +160,13 @@ class ChangeMaker {
   EntryId alike(const Topic& topic) const {
     const auto in = [](const auto& map, const auto& key) {
       const auto found = map.find(key);
-      return found == map.end() ? EntryId{0} : found->second;
+      return found == map.end() || found->second.empty() ? EntryId{0} : *found->second.begin();
     };
     if (isClash(topic)) return in(clashes_, pairOf(selected(topic, 0), selected(topic, 1)));
     if (topic.kind == TopicKind::view && topic.view) return in(views_, viewName(topic));
     const std::string text = textOf(topic);
-    const EntryId plain = in(notes_, trimmed(text));
-    return plain != 0 ? plain : in(notes_, trimmed(credited(topic.author, text)));
+    const EntryId broughtIn = in(notes_, trimmed(credited(topic.author, text)));
+    return broughtIn != 0 ? broughtIn : in(notes_, trimmed(text));
   }
   bool isClash(const Topic& topic) const {
     const PartId a = selected(topic, 0), b = selected(topic, 1);
@@ -151,10 +177,7 @@ class ChangeMaker {
   EntryId add(Body body) {
     Entry entry;
     entry.id = nextId_++;
-    if (const auto* note = std::get_if<Note>(&body)) notes_.emplace(trimmed(note->text), entry.id);
-    if (const auto* view = std::get_if<NamedView>(&body)) views_.emplace(view->name, entry.id);
-    if (const auto* clash = std::get_if<ClashVerdict>(&body))
-      clashes_.emplace(pairOf(clash->a, clash->b), entry.id);
+    index(entry.id, body);
     entry.body = std::move(body);
     return put(std::move(entry));
   }
@@ -176,6 +199,7 @@ class ChangeMaker {
       ++changes_.kept;
       entry = *old;
     }
+    indexAgain(id, old->body, entry.body);
     put(std::move(entry));
   }
   /// Puts the session's note there, for comments to refer to.
@@ -218,7 +242,7 @@ class ChangeMaker {
       return ClashVerdict{selected(topic, 0), selected(topic, 1),
                           clashStatus(topic.status).value_or(ClashStatus::active), 0.0, verdictText(topic)};
     if (topic.kind == TopicKind::view && topic.view) return viewOf(topic);
-    if (topic.view && !views_.contains(viewName(topic))) add(viewOf(topic));  // a note keeps no camera
+    if (topic.view && views_[viewName(topic)].empty()) add(viewOf(topic));  // a note keeps no camera
     Note note = noteAt(topic);
     note.text = credited(topic.author, textOf(topic));
     note.assignee = topic.assignee;
@@ -267,18 +291,11 @@ class ChangeMaker {
 
   void takeComments(const Topic& topic, EntryId entry) {
     for (const TopicComment& comment : topic.comments) {
-      if (const auto known = comments_.find(comment.guid); known != comments_.end()) {
-        need(reference(there_.document.find(known->second)->body));
-        const auto revise = [&](Body& body) {
-          return assignText(std::get<Comment>(body).text, comment.text);
-        };
-        change(known->second, revise, comment.changed);
-        continue;
-      }
+      if (comments_.contains(comment.guid)) continue;
       const EntryId note = threadOf(topic, entry);
       const std::string text = credited(comment.author, comment.text);
-      std::set<std::string>& texts = texts_[note];
-      if (texts.contains(trimmed(comment.text)) || !texts.insert(trimmed(text)).second) continue;
+      auto& texts = texts_[note];
+      if (texts[trimmed(comment.text)] > 0 || texts[trimmed(text)] > 0) continue;
       add(Comment{note, text});
     }
   }
@@ -289,9 +306,10 @@ class ChangeMaker {
     if (std::holds_alternative<Note>(body)) return entry;
     Note note = noteAt(topic);
     note.text = printable("Remarks on " + topic.title, kMaxText);
-    if (const auto found = notes_.find(trimmed(note.text)); found != notes_.end()) {
-      need(found->second);
-      return found->second;
+    if (const std::set<EntryId>& there = notes_[trimmed(note.text)]; !there.empty()) {
+      const EntryId thread = *there.begin();
+      need(thread);
+      return thread;
     }
     return add(std::move(note));
   }
@@ -299,12 +317,13 @@ class ChangeMaker {
   const TopicSource& there_;
   const std::string& name_;
   EntryId nextId_;
-  std::vector<Topic> current_;                               // as the session exports them now
-  std::map<std::string, const Topic*> known_;                // by GUID
-  std::map<std::string, EntryId> comments_, notes_, views_;  // by GUID; by text; by name
-  std::map<std::pair<PartId, PartId>, EntryId> clashes_;
-  std::map<EntryId, std::set<std::string>> texts_;  // of the comments of a note
-  std::map<EntryId, std::size_t> places_;           // of what is among the changes
+  std::vector<Topic> current_;                              // as the session exports them now
+  std::map<std::string, const Topic*> known_;               // by GUID
+  std::map<std::string, EntryId> comments_;                 // by GUID
+  std::map<std::string, std::set<EntryId>> notes_, views_;  // by text; by name
+  std::map<std::pair<PartId, PartId>, std::set<EntryId>> clashes_;
+  std::map<EntryId, std::map<std::string, int>> texts_;  // of the comments of a note, and how many say it
+  std::map<EntryId, std::size_t> places_;                // of what is among the changes
   TopicChanges changes_;
 };
 
@@ -312,6 +331,8 @@ class ChangeMaker {
 
 TopicChanges changesOf(const std::vector<Topic>& topics, const TopicSource& there, const std::string& name) {
   ChangeMaker maker(there, name);
+  for (const Topic& topic : topics) maker.takeKnown(topic);
+  for (const Topic& topic : topics) maker.takeKnownComments(topic);
   for (const Topic& topic : topics) maker.take(topic);
   return std::move(maker).changes();
 }

@@ -6,7 +6,7 @@
 // 1. Nothing is removed. A topic or comment that is not in the file stays as it is.
 // 2. What has changed in the session after the file's own date of change stays as it is, and is counted.
 // 3. Who wrote a text elsewhere stands before it, in brackets: an entry's author is who brings it in.
-// 4. The same file again changes nothing.
+// 4. The same file again changes nothing, unless it is dated later than it was brought in first.
 
 #include <string>
 #include <vector>

@@ -213,6 +213,36 @@ TEST_F(TopicChangesTest, ACommentUnderAnotherTopicStaysWithItsNote) {
   EXPECT_EQ(body<Comment>(2).text, "changed");
 }
 
+TEST_F(TopicChangesTest, WhatIsAlikeIsSoughtAmongTheTextsAsTheFileMakesThem) {
+  Topic other = topics[0];  // of another program: it says what the note and its comment said before
+  other.guid = "other";
+  other.author.clear();
+  other.comments.clear();
+  other.view.reset();
+  topics[0].comments.push_back({"other comment", "", topics[0].comments[0].text, kLater, kLater, 0});
+  topics[0].title = "The bore is too narrow";
+  topics[0].description.clear();
+  topics[0].comments[0].text = "It was 2.9 mm";
+  topics[0].changed = topics[0].comments[0].changed = kLater;
+  topics.push_back(other);
+  EXPECT_EQ(bringIn(), 4);
+  EXPECT_EQ(body<Note>(1).text, "The bore is too narrow");
+  EXPECT_EQ(body<Comment>(2).text, "It was 2.9 mm");
+  EXPECT_EQ(bringIn(), 0) << "the same file again";
+}
+
+TEST_F(TopicChangesTest, TopicsOfOneTextAreKnownAgainByWhoWroteThem) {
+  Topic ofDan, ofNobody;
+  ofDan.guid = "a";
+  ofNobody.guid = "b";
+  ofDan.title = ofNobody.title = "Loose";
+  ofDan.author = "Dan";
+  ofDan.comments.push_back({"c", "Dan", "By 1 mm", kLater, kLater, 0});
+  topics = {ofDan, ofNobody};
+  EXPECT_EQ(bringIn(), 3);
+  EXPECT_EQ(bringIn(), 0) << "the same file again";
+}
+
 TEST_F(TopicChangesTest, TextsAtTheLimitStayWithinIt) {
   topics[0].guid = "stranger";
   topics[0].title.assign(kMaxText, 't');
