@@ -22,6 +22,7 @@ class GlbWriter {
     Json file = Json::object(), asset = Json::object();
     asset["version"] = "2.0";
     asset["generator"] = "tandem-import";
+    addFindings(asset, scene);
     file["asset"] = asset;
     addNodes(file, scene);
     if (!scene.colours.empty()) addColours(file, scene);
@@ -37,6 +38,14 @@ class GlbWriter {
   }
 
  private:
+  static void addFindings(Json& asset, const CadScene& scene) {
+    if (scene.findings.empty()) return;
+    Json list = Json::array();
+    for (const CadFinding& finding : scene.findings)
+      list.push({{"code", finding.code}, {"count", finding.count}, {"message", finding.message}});
+    asset["extras"]["cad"]["findings"] = std::move(list);
+  }
+
   template <typename T>
   std::size_t add(const std::vector<T>& data, int component, const char* type, std::size_t count,
                   int target) {

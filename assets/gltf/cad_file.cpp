@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // A new one where tandem-import makes another scene of the same file.
-constexpr char kImportVersion = '1';
+constexpr char kImportVersion = '2';
 constexpr const char* kPrefix = "tandem-import: ";
 
 std::string endingOf(const std::string& path) {

@@ -17,6 +17,7 @@ namespace {
 constexpr double kUneven = 1e-6;   // by which a scale may differ between directions
 constexpr double kNotUnit = 1e-3;  // by which the length of an axis may be off
 constexpr double kLongest = 1e6;   // m, radius or height
+constexpr std::size_t kMostFindings = 100, kLongestCode = 60, kLongestMessage = 500;  // bytes
 constexpr std::size_t kMostOfNode = 200, kLongestTolerance = 200;  // tolerances; bytes of one
 
 /// How much a map scales all directions alike; nothing if it does not.
@@ -102,6 +103,20 @@ std::vector<std::string> readTolerances(const GltfDocument& document, std::size_
     if (!words.empty()) stated.push_back(std::move(words));
   }
   return stated;
+}
+
+std::vector<Finding> readImportFindings(const GltfDocument& document) {
+  std::vector<Finding> findings;
+  const Json& list = document.json.member("asset").member("extras").member("cad").member("findings");
+  if (!list.isArray()) return findings;
+  for (std::size_t i = 0; i < list.size() && findings.size() < kMostFindings; ++i) {
+    const Json &code = list.at(i).member("code"), &count = list.at(i).member("count"),
+               &message = list.at(i).member("message");
+    if (!code.isText() || !count.isNatural() || !message.isText()) continue;
+    findings.push_back({Finding::Severity::warning, "import-" + printable(code.text(), kLongestCode), "",
+                        count.integer(), printable(message.text(), kLongestMessage)});
+  }
+  return findings;
 }
 
 }  // namespace tandem::assets

@@ -1,7 +1,7 @@
 #pragma once
 
-// The exact cylinders of faces that extras.cad of meshes states, and the tolerances that it states of nodes,
-// see assets/cad_import. For the loader's sources only.
+// What extras.cad states, see assets/cad_import: exact cylinders of faces, tolerances of nodes, and what the
+// import had to say of the file. For the loader's sources only.
 
 #include <cstdint>
 #include <string>
@@ -10,6 +10,7 @@
 #include "assets/gltf/gltf_document.h"
 #include "assets/gltf/gltf_geometry.h"
 #include "assets/mesh/round_faces.h"
+#include "assets/scene/scene.h"
 
 namespace tandem::assets {
 
@@ -21,5 +22,8 @@ RoundFaces readRoundFaces(const GltfDocument& document, const std::vector<MeshPi
 /// The dimensions and tolerances that a node states, in words as they may be shown. What is none is passed
 /// over: other programs too may write an extras.cad.
 std::vector<std::string> readTolerances(const GltfDocument& document, std::size_t gltfNode);
+
+/// What the import of a CAD file had to say, as warnings of the whole scene. What is none is passed over.
+std::vector<Finding> readImportFindings(const GltfDocument& document);
 
 }  // namespace tandem::assets

@@ -353,6 +353,7 @@ class SceneBuilder {
       if (!isKnown(name))
         addFinding(Finding::Severity::note, "unknown-extension", "", 1,
                    "The extension " + name.substr(0, 80) + " is not read.");
+    for (Finding& finding : readImportFindings(document_)) scene_.findings.push_back(std::move(finding));
     for (const Finding& finding : physics_.findings) scene_.findings.push_back(finding);
     for (const Finding& finding : plan_.findings) scene_.findings.push_back(finding);
     for (std::size_t i = 0; i < meshes_.size(); ++i) addMeshFindings(meshes_[i], whereOf_[i]);

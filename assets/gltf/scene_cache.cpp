@@ -10,7 +10,7 @@ namespace tandem::assets {
 namespace {
 
 // Raised whenever the loader's result for the same file changes.
-constexpr std::uint32_t kLoaderVersion = 10;
+constexpr std::uint32_t kLoaderVersion = 11;
 
 /// Hash of everything that the scene depends on.
 class KeyBuilder {

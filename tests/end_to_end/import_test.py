@@ -116,7 +116,7 @@ def check_tolerances(importer):
     expected.add(("housing", "flatness 0.05 mm"))
     expect(stated == expected, f"tolerances: {stated}")
     done = subprocess.run([importer.binaries / "tandem", "check", step], capture_output=True, text=True,
-                          env={**os.environ, "XDG_CACHE_HOME": str(importer.folder / "cache")})
+                          env={**os.environ, "XDG_CACHE_HOME": str(importer.folder / "tolerances")})
     lines = {line for line in done.stdout.splitlines() if line.startswith("tolerance ")}
     expect(lines == {f"tolerance {name}: {words}" for name, words in expected},
            f"tolerances: {done.returncode} {lines} {done.stderr}")
@@ -285,6 +285,8 @@ def check_commands(importer):
         expect(names == [part["name"] for part in of_glb["parts"]], f"check: {parts}")
         imports = list((folder / "cache" / "tandem").glob("import-*/*.glb"))
         expect([file.name for file in imports] == ["fixture_MM.glb"], f"check: cached imports: {imports}")
+    said = {found["code"]: found["count"] for found in json.loads(done.stdout)["findings"]}
+    expect(said.get("import-construction-shells") == 1, f"check: {said}")
     expect(not list(temporary.iterdir()), "check --no-cache leaves files behind")
     done = run("extract", step, "--part", "left pin", "--movable", "left pin", "--json", folder / "out.json")
     expect(done.returncode == 0, f"extract: {done.returncode} {done.stdout} {done.stderr}")

@@ -205,6 +205,31 @@ TEST(StatedTolerances, BelongToTheirPartOrGroup) {
   EXPECT_EQ(of("pin"), (Words{"diameter 12 mm +0.018 -0", "cylindricity 0.01 mm", "press: length 80 mm"}));
 }
 
+TEST(ImportFindings, AreWarningsOfTheSceneAndWhatIsNoneIsPassedOver) {
+  tests::GltfBuilder b;
+  b.addNode({{"name", "box"}, {"mesh", b.addBox(1, 2, 3)}});
+  const auto finding = [](Json code, Json count, Json message) {
+    return Json{{"code", std::move(code)}, {"count", std::move(count)}, {"message", std::move(message)}};
+  };
+  b.json["asset"]["extras"]["cad"]["findings"] = {finding("construction-shells", 3, "Shells are left out."),
+                                                  finding(7, 1, "x"),
+                                                  finding("a", -1, "x"),
+                                                  finding("a", 1, nullptr),
+                                                  5,
+                                                  finding("loud", 1, "\x1b[2J" + std::string(5000, 'x'))};
+  const Scene scene = loaded(b);
+  const Finding* shells = findingOf(scene, "import-construction-shells");
+  ASSERT_NE(shells, nullptr);
+  EXPECT_EQ(shells->count, 3u);
+  EXPECT_EQ(shells->severity, Finding::Severity::warning);
+  EXPECT_EQ(shells->message, "Shells are left out.");
+  const Finding* loud = findingOf(scene, "import-loud");
+  ASSERT_NE(loud, nullptr);
+  EXPECT_EQ(loud->message.size(), 500u);
+  EXPECT_EQ(loud->message.substr(0, 5), "?[2Jx");
+  EXPECT_EQ(findingOf(scene, "import-a"), nullptr);
+}
+
 TEST(StatedTolerances, OfAHostileFileAreFewPrintableAndShort) {
   tests::GltfBuilder b;
   const int box = b.addBox(1, 2, 3);
