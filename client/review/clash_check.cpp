@@ -11,6 +11,7 @@
 #include <glm/common.hpp>
 
 #include "assets/base/assert.h"
+#include "assets/mesh/equal_fits.h"
 #include "assets/scene/part_pairs.h"
 #include "client/review/facet_sag.h"
 #include "haptics/base/in_parallel.h"
@@ -179,6 +180,33 @@ std::optional<Clash> measure(const Standing& first, const Standing& second, doub
   return clash;
 }
 
+/// By the file, a shaft in a bore of its radius touches it. What contact gives such a fit is no clearance.
+void settleEqualFit(const assets::Scene& scene, const Pose& worldFromA, const Pose& worldFromB,
+                    Clash& clash) {
+  if (clash.kind != ClashKind::clearance || !assets::hasEqualFits(scene) ||
+      clash.distance > assets::widestEqualFit(scene, clash.a, clash.b) ||
+      !assets::isInEqualFit(scene, clash.a, worldFromA, clash.b, worldFromB, clash.onA))
+    return;
+  clash.kind = ClashKind::touch;
+  clash.distance = 0.0;
+}
+
+/// Nothing where the parts are further apart than `clearance`.
+std::optional<Clash> measureNear(const PartClosings& closings, PartId a, const Pose& worldFromA, PartId b,
+                                 const Pose& worldFromB, double clearance) {
+  const assets::Scene& scene = closings.contact().scene();
+  const double reach = assets::hasEqualFits(scene) ? assets::widestEqualFit(scene, a, b) : 0.0;
+  std::optional<Clash> clash = measure(standing(closings, a, worldFromA), standing(closings, b, worldFromB),
+                                       std::max(clearance, reach));
+  if (!clash) return {};
+  clash->a = a;
+  clash->b = b;
+  clash->mayCollide = assets::mayCollide(scene, a, b);
+  settleEqualFit(scene, worldFromA, worldFromB, *clash);
+  if (clash->kind == ClashKind::clearance && clash->distance > clearance) return {};
+  return clash;
+}
+
 bool moreSevere(const Clash& l, const Clash& r) {
   if (l.mayCollide != r.mayCollide) return l.mayCollide;
   if (l.kind != r.kind) return l.kind < r.kind;
@@ -194,13 +222,7 @@ std::optional<Clash> measurePair(const PartClosings& closings, PartId a, const P
                                  const Pose& worldFromB) {
   const haptics::ContactScene& contact = closings.contact();
   if (treeOf(contact, a) == nullptr || treeOf(contact, b) == nullptr) return {};
-  std::optional<Clash> clash = measure(standing(closings, a, worldFromA), standing(closings, b, worldFromB),
-                                       std::numeric_limits<double>::max());
-  if (!clash) return {};
-  clash->a = a;
-  clash->b = b;
-  clash->mayCollide = assets::mayCollide(contact.scene(), a, b);
-  return clash;
+  return measureNear(closings, a, worldFromA, b, worldFromB, std::numeric_limits<double>::max());
 }
 
 std::optional<Clash> nearestPart(const PartClosings& closings, PartId part,
@@ -241,6 +263,7 @@ std::optional<Clash> nearestPart(const PartClosings& closings, PartId part,
     if (meets || mayHold) clash = measure(placed, other, reach).value_or(clash);
     clash.a = part;
     clash.b = candidate.part;
+    settleEqualFit(contact.scene(), worldFromPart[part], worldFromPart[candidate.part], clash);
     if (clash.kind != ClashKind::clearance) return clash;
     if (!near) continue;
     best = clash;
@@ -262,8 +285,7 @@ ClashReport findClashes(const haptics::ContactScene& contact, const ClashOptions
   haptics::onThreads(std::max(1, cores), [&](int worker) {
     for (std::size_t i = next++; i < pairs.size() && !stopped(); i = next++) {
       const auto [a, b, triangles] = pairs[i];
-      found[i] = measure(standing(closings, a, worldFromPart[a]), standing(closings, b, worldFromPart[b]),
-                         options.clearance);
+      found[i] = measureNear(closings, a, worldFromPart[a], b, worldFromPart[b], options.clearance);
       ++done;
       if (worker == 0 && options.progress) options.progress(done, pairs.size());
     }
@@ -275,9 +297,6 @@ ClashReport findClashes(const haptics::ContactScene& contact, const ClashOptions
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (!found[i]) continue;
     Clash& clash = report.clashes.emplace_back(*found[i]);
-    clash.a = pairs[i].a;
-    clash.b = pairs[i].b;
-    clash.mayCollide = assets::mayCollide(contact.scene(), pairs[i].a, pairs[i].b);
     if (clash.kind == ClashKind::hard && !clash.open && clash.depth <= options.tolerance)
       clash.kind = ClashKind::touch;
   }

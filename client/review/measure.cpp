@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 
 #include "assets/base/assert.h"
+#include "assets/mesh/equal_fits.h"
 #include "haptics/geometry/triangle_bvh.h"
 #include "haptics/scene/contact_scene_data.h"
 
@@ -172,6 +173,7 @@ MeasuredPlace placeOf(const haptics::ContactScene& contact, PartId part, const h
   place.normal = normalOf(mesh, found.triangle);
   place.edge = Edges(mesh).nearest(found.point);
   place.cylinder = cylinderAt(contact.scene().parts[part], mesh, found);
+  if (place.cylinder) place.cylinder->radius = assets::statedRadius(contact.scene(), part, *place.cylinder);
   return place;
 }
 

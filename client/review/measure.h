@@ -5,7 +5,7 @@
 //
 // 1. A cylinder is one that assets/mesh finds in CAD facets, of at least ten segments a turn, or an implicit
 //    shape. Its diameter is that of the circle on which the facets' corners lie; a bore whose facets touch
-//    the circle with their middles is wider by its sag.
+//    the circle with their middles is wider by its sag, unless loading has given it room (equal_fits.h).
 // 2. Safe in every thread: the geometry is only read. Allocates.
 
 #include <optional>
