@@ -1,5 +1,7 @@
 #include "client/simulation/simulated_server.h"
 
+#include <algorithm>
+
 #include "assets/base/assert.h"
 #include "assets/scene/scene_package.h"
 
@@ -25,13 +27,26 @@ SimulatedServer::SimulatedServer(const assets::Scene& scene, VirtualNetwork& net
       mistake_(mistake),
       package_(assets::packScene(scene)),
       journal_(seed),
-      wallClock_(kWallClock) {
+      wallClocks_{{0, kWallClock}} {
   server::SigningKey::Seed bytes{};
   bytes.fill(static_cast<std::uint8_t>(seed));
   key_ = server::SigningKey(bytes);
 }
 
-std::int64_t SimulatedServer::unixNow(Micros now) const { return wallClock_ + now / kSecond; }
+void SimulatedServer::stepWallClock(std::int64_t seconds) {
+  wallClocks_.push_back({now_, wallClocks_.back().atZero + seconds});
+}
+
+std::int64_t SimulatedServer::unixNow(Micros now) const { return wallClocks_.back().atZero + now / kSecond; }
+
+std::int64_t SimulatedServer::leastUnixSince(Micros since) const {
+  std::int64_t least = unixNow(std::max(since, wallClocks_.back().from));
+  for (std::size_t i = 0; i + 1 < wallClocks_.size(); ++i) {
+    if (wallClocks_[i + 1].from >= since)
+      least = std::min(least, wallClocks_[i].atZero + std::max(since, wallClocks_[i].from) / kSecond);
+  }
+  return least;
+}
 
 void SimulatedServer::start(Micros now, Invariants& invariants) {
   ASSERT(!running());
@@ -100,7 +115,7 @@ std::string SimulatedServer::forgeToken(Role role) const {
   server::Ticket ticket;
   ticket.role = role;
   ticket.nonce = std::string(32, 'a');
-  ticket.expires = wallClock_ + kTokenLasts;
+  ticket.expires = wallClocks_.back().atZero + kTokenLasts;
   server::SigningKey::Seed other = key_.seed();
   other[1] ^= 0x55;
   return server::sign(ticket, server::SigningKey(other));

@@ -36,7 +36,7 @@ class SimulatedServer {
   const FaultyJournal& journal() const { return journal_; }
   void setDrift(double ppm, sync::Micros now) { clock_.setDrift(ppm, now); }
   double drift() const { return clock_.drift(); }
-  void stepWallClock(std::int64_t seconds) { wallClock_ += seconds; }
+  void stepWallClock(std::int64_t seconds);
 
   /// One step of a running server; `invariants` receives the record of every part that ever had an owner.
   void step(sync::Micros now, Invariants& invariants);
@@ -50,7 +50,9 @@ class SimulatedServer {
   /// The same, which expires `seconds` from now, and one of another server.
   std::string makeToken(sync::Role role, std::int64_t seconds, sync::Micros now) const;
   std::string forgeToken(sync::Role role) const;
+  /// What the wall clock of the server shows, and the least that it has shown since `since`: Unix time, s.
   std::int64_t unixNow(sync::Micros now) const;
+  std::int64_t leastUnixSince(sync::Micros since) const;
   /// Null while no server runs.
   const server::Session* session() const { return session_.get(); }
 
@@ -68,7 +70,11 @@ class SimulatedServer {
   DriftingClock clock_;
   sync::Micros clockOffset_ = 0;  // session time less what the clock shows
   sync::Micros now_ = 0, pausedUntil_ = 0;
-  std::int64_t wallClock_;  // Unix time at virtual time 0
+  struct WallClock {
+    sync::Micros from;
+    std::int64_t atZero;  // Unix time at virtual time 0
+  };
+  std::vector<WallClock> wallClocks_;  // one after the other
 };
 
 }  // namespace tandem::client

@@ -81,7 +81,7 @@ void Stranger::connect() {
 }
 
 void Stranger::hello() {
-  saidHelloAt_ = ground_.server.unixNow(now_);
+  saidHelloAt_ = now_;
   Hello hello;
   hello.credential = token_;
   hello.name = name_;
@@ -140,7 +140,7 @@ void Stranger::receive(std::span<const std::byte> bytes) {
 void Stranger::welcome(const Welcome& message) {
   ground_.invariants.checked(Rule::R2);
   // A wall clock that is put back makes an expired token good again, unless it was used.
-  const bool good = std::min(saidHelloAt_, ground_.server.unixNow(now_)) < goodUntil_ + kClockSlack;
+  const bool good = ground_.server.leastUnixSince(saidHelloAt_) < goodUntil_ + kClockSlack;
   if (kind_ == Kind::replay) goodUntil_ = 0;  // it is used now
   if (!good)
     ground_.invariants.reportBroken(Rule::R2, name_ + " came in as site " + std::to_string(message.site) +

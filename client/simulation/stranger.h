@@ -62,8 +62,8 @@ class Stranger {
   sync::Role role_ = sync::Role::participant;
   std::unique_ptr<sync::Transport> transport_;
   std::string token_;
-  std::int64_t goodUntil_ = 0;    // Unix time, s, until which the server may admit who shows it
-  std::int64_t saidHelloAt_ = 0;  // by the server's wall clock
+  std::int64_t goodUntil_ = 0;  // Unix time, s, until which the server may admit who shows it
+  sync::Micros saidHelloAt_ = 0;
   bool in_ = false;
   sync::Micros offended_ = -1;  // since when the server should have closed the connection; < 0: it need not
   sync::Micros enteredAt_ = 0;

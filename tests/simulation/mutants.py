@@ -155,6 +155,9 @@ MUTANTS = [
     ("forged", "nobody checks a signature", [(
         "server/admission.cpp", "                                  key.open().data()) != 0)",
         "                                  key.open().data()) != 0 && !M)")]),
+    ("forged", "an expired token lets in", [(
+        "server/site_admission.cpp", "} else if (ticket->expires <= ground_.context.unixNow()) {",
+        "} else if (!M && ticket->expires <= ground_.context.unixNow()) {")]),
 ]
 
 
