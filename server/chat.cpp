@@ -40,7 +40,7 @@ void Chat::onSay(const Peer& peer, const sync::Say& said) {
   keep(line);
   const std::vector<std::byte> bytes = sync::encodeControl(Said{false, {line}});
   for (const auto& [connection, other] : peers_)
-    if (other.stage == Stage::ready && !other.saidOwed) send(other, bytes);
+    if (other.stage == Stage::ready && !other.saidOwed) publisher_.sendNow(connection, bytes);
 }
 
 void Chat::keep(const SaidLine& line) {
@@ -54,13 +54,8 @@ void Chat::flush() {
     if (!peer.saidOwed || peer.stage != Stage::ready) continue;
     if (transport_.controlBacklog(connection) >= kMaxBacklog) continue;
     peer.saidOwed = false;
-    if (!lines_.empty()) send(peer, sync::encodeControl(Said{true, {lines_.begin(), lines_.end()}}));
+    if (!lines_.empty()) publisher_.sendNow(connection, Said{true, {lines_.begin(), lines_.end()}});
   }
-}
-
-void Chat::send(const Peer& peer, std::span<const std::byte> bytes) {
-  context_.counts.sent.countControl(bytes.size());
-  transport_.sendControl(peer.connection, bytes);
 }
 
 }  // namespace tandem::server

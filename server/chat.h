@@ -11,7 +11,6 @@
 #include <cstdint>
 #include <deque>
 #include <map>
-#include <span>
 
 #include "server/message_rate.h"
 #include "server/peers.h"
@@ -46,7 +45,6 @@ class Chat {
  private:
   bool isSound(const sync::Say& said) const;
   void keep(const sync::SaidLine& line);
-  void send(const Peer& peer, std::span<const std::byte> bytes);
 
   std::size_t partCount_;
   SessionContext& context_;

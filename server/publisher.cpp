@@ -69,9 +69,12 @@ void Publisher::expectPublish() {
 }
 
 void Publisher::sendNow(sync::ConnectionId connection, const sync::ControlMessage& message) {
-  const std::vector<std::byte> bytes = sync::encodeControl(message);
-  context_.counts.sent.countControl(bytes.size());
-  transport_.sendControl(connection, bytes);
+  sendNow(connection, sync::encodeControl(message));
+}
+
+void Publisher::sendNow(sync::ConnectionId connection, std::span<const std::byte> encoded) {
+  context_.counts.sent.countControl(encoded.size());
+  transport_.sendControl(connection, encoded);
 }
 
 std::optional<sync::ConnectionId> Publisher::send(const Outgoing& item) {

@@ -8,8 +8,10 @@
 // 2. While the journal fails, writable() is false: a reply that waited for it becomes a denial. What else
 //    waited is published when the journal is well again.
 
+#include <cstddef>
 #include <deque>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "server/journal/journal.h"
@@ -44,6 +46,8 @@ class Publisher {
   void publish(sync::ControlMessage message);
   /// Sends at once, past the queue: for what depends on no record.
   void sendNow(sync::ConnectionId connection, const sync::ControlMessage& message);
+  /// The same of a message that is encoded already.
+  void sendNow(sync::ConnectionId connection, std::span<const std::byte> encoded);
 
   /// Whether messages wait for the disk.
   bool waiting() const { return !outbox_.empty(); }

@@ -4,13 +4,14 @@
 #include <array>
 #include <cctype>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <system_error>
 #include <vector>
 
 #include "assets/base/cache_file.h"
 #include "assets/base/limited_process.h"
+#include "assets/base/temporary_folder.h"
 #include "assets/scene/scene_package.h"
 
 namespace tandem::assets {
@@ -53,33 +54,12 @@ Status runImporter(const std::vector<std::string>& command,
   return Error{command[1] + ": tandem-import ended without a scene"};
 }
 
-/// A folder that is removed with what is in it.
-class TemporaryFolder {
- public:
-  TemporaryFolder() = default;
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  /// Empty if it cannot be made.
-  const fs::path& make() {
-    std::error_code failed;
-    std::string pattern = fs::temp_directory_path(failed) / "tandem-import-XXXXXX";
-    if (!failed && ::mkdtemp(pattern.data()) != nullptr) path_ = pattern;
-    return path_;
-  }
-
- private:
-  fs::path path_;
-};
-
 /// Where the import of a file is kept. The scene keeps the file's name, which people read.
-Result<fs::path> importOf(const SceneFile& file, const std::string& units, TemporaryFolder& temporary) {
+Result<fs::path> importOf(const SceneFile& file, const std::string& units,
+                          std::optional<TemporaryFolder>& temporary) {
   const fs::path name = fs::path(file.path).stem().concat(".glb");
   if (file.cacheDirectory.empty()) {
-    const fs::path& folder = temporary.make();
+    const std::string& folder = temporary.emplace("tandem-import-").path();
     if (folder.empty()) return Error{file.path + ": no temporary folder for its import can be made"};
     return folder / name;
   }
@@ -105,7 +85,7 @@ Result<Scene> loadSceneFile(const SceneFile& file, LoadOptions options,
                             const std::function<bool()>& cancelled) {
   if (!isCadFile(file.path)) return loadScene(file.path, options, file.cacheDirectory);
   const std::string units = file.units == "m" ? "" : file.units;
-  TemporaryFolder temporary;
+  std::optional<TemporaryFolder> temporary;
   const Result<fs::path> output = importOf(file, units, temporary);
   if (!output) return output.error();
   std::error_code ignored;

@@ -9,8 +9,8 @@
 #include <glm/geometric.hpp>
 
 #include "assets/base/assert.h"
+#include "assets/base/temporary_folder.h"
 #include "client/base/thread_clock.h"
-#include "client/report/field_folder.h"
 #include "haptics/measure/held_depth.h"
 #include "haptics/scene/contact_scene_data.h"
 #include "haptics/tick.h"
@@ -209,8 +209,8 @@ PartExperimentResult sweepPart(const ExperimentInfo& info, const SweepOptions& o
   for (const PartPathPoint& p : experiment.path)
     if (p.force) result.peakForce = std::max(result.peakForce, glm::length(p.exactForce));
   const int depthEvery = result.triangles > kLarge ? kDepthEvery : 1;
-  const FieldFolder folder;
-  std::map<double, double> built;  // ms, of the fields of a scale
+  const assets::TemporaryFolder folder("tandem-report-");  // keeps fields that settings share
+  std::map<double, double> built;                          // ms, of the fields of a scale
   for (const Making& making : makingsOf(options)) {
     const auto start = std::chrono::steady_clock::now();
     haptics::ContactScene contact(experiment.scene);

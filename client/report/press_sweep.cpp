@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "client/report/field_folder.h"
+#include "assets/base/temporary_folder.h"
 #include "client/report/part_sweep.h"
 #include "haptics/scene/contact_scene_data.h"
 
@@ -99,8 +99,8 @@ PressResult sweepPresses(const ExperimentInfo& info, const SweepOptions& options
   PressResult result;
   result.info = info;
   std::vector<PressSetting> settings = settingsOf(options);
-  PartExperiment all;  // the paths of all presses
-  const FieldFolder folder;
+  PartExperiment all;                                      // the paths of all presses
+  const assets::TemporaryFolder folder("tandem-report-");  // keeps fields that settings share
   for (unsigned pair = 0; pair < extent.pairs; ++pair)
     for (unsigned pose = 0; pose < extent.poses; ++pose) {
       const PartExperiment press = buildPress(familyOf(info.id), pair, pose);

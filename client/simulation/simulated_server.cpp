@@ -1,6 +1,7 @@
 #include "client/simulation/simulated_server.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "assets/base/assert.h"
 #include "assets/scene/scene_package.h"
@@ -40,10 +41,11 @@ void SimulatedServer::stepWallClock(std::int64_t seconds) {
 std::int64_t SimulatedServer::unixNow(Micros now) const { return wallClocks_.back().atZero + now / kSecond; }
 
 std::int64_t SimulatedServer::leastUnixSince(Micros since) const {
-  std::int64_t least = unixNow(std::max(since, wallClocks_.back().from));
-  for (std::size_t i = 0; i + 1 < wallClocks_.size(); ++i) {
-    if (wallClocks_[i + 1].from >= since)
-      least = std::min(least, wallClocks_[i].atZero + std::max(since, wallClocks_[i].from) / kSecond);
+  std::int64_t least = std::numeric_limits<std::int64_t>::max();
+  Micros until = std::numeric_limits<Micros>::max();
+  for (auto clock = wallClocks_.rbegin(); clock != wallClocks_.rend() && until >= since; ++clock) {
+    least = std::min(least, clock->atZero + std::max(since, clock->from) / kSecond);
+    until = clock->from;
   }
   return least;
 }

@@ -111,8 +111,10 @@ LinkPull CoordinationLink::pull(double now, const Pose& worldFromCentre, const T
   const double bound = std::sqrt(std::max(0.0, 2.0 * (goal.energy + reserve_.energy()) / p_.period));
   const SixAxes wanted = waveOf(goal.force + excess_, v);
   wave_ = shortened(wanted, bound);
-  brake_.replace(waveGain() * (wanted - wave_), v);
-  if (!trust_.limits()) brake_.release();  // no hand here would feel it
+  if (trust_.limits())
+    brake_.replace(waveGain() * (wanted - wave_), v);
+  else
+    brake_.release();  // no hand here would feel it
   pay(peer, goal);
   const SixAxes held = forceOf(wave_, {});
   // While the reserve is not full, extra drag on the replica fills it as soon as the replica moves.
