@@ -175,6 +175,7 @@ class Tick {
         for (int h = 0; h < kHands; ++h)
           if (data_.held.held(h) == command.part) letGo(h);
         data_.held.disown(command.part);
+        if (data_.partContact != nullptr) data_.partContact->disown(command.part);
         return;
       case PartCommand::Kind::setPose:
         if (!TICK_ASSERT(data_.fault, isValid(command.pose)) || data_.held.owns(command.part)) return;
@@ -379,7 +380,8 @@ class Tick {
     for (int h = 0; h < kHands; ++h) {
       const auto index = static_cast<std::size_t>(h);
       const SimulatedPart* const held = data_.held.heldPart(h);
-      const bool acts = held != nullptr && held->moved.control == nullptr && handOf(h).valid();
+      const bool acts = held != nullptr && held->moved.control == nullptr && handOf(h).valid() &&
+                        !data_.isTaking(held->part);
       double& share = data_.fieldShare[index];
       share = std::clamp(share + (acts ? step : -step), 0.0, 1.0);
       if (!acts || (h > 0 && data_.held.held(0) == held->part && handOf(0).valid())) {

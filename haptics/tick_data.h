@@ -23,6 +23,12 @@ namespace tandem::haptics {
 struct TickState::Data {
   explicit Data(const ContactScene& contactScene);
 
+  /// Whether a part here stands still until it is taken.
+  bool isTaking(PartId part) const { return partContact != nullptr && partContact->isTaking(part); }
+  void modelsChanged() {
+    if (partContact != nullptr) partContact->modelsChanged();
+  }
+
   const ContactScene::Data* scene;
   ContactWorld world;
   FaultLatch fault;
@@ -38,11 +44,11 @@ struct TickState::Data {
   std::array<double, kHands> fieldShare{};        // 0..1, of fieldsOnPart; the rest acts at the tip
   std::array<HeldSurfaces, kHands> heldSurfaces;  // under what each hand holds
   std::array<Wrench, kHands> throughPart;  // of these surfaces on each hand, of this tick, before limits
-  bool lifted = false;       // the tool, in the last tick
+  bool lifted = false;                     // the tool, in the last tick
   double liftedShare = 0.0;  // 0..1, of the fields on the tip, which a lifted tool does not feel
-  int bridging = 0;    // ticks in which the proxy may still find its place after sections have moved
-  Wrench fieldWrench;  // of this tick, before limits
-  double time = 0.0;   // s, session clock, of the last tick
+  int bridging = 0;          // ticks in which the proxy may still find its place after sections have moved
+  Wrench fieldWrench;        // of this tick, before limits
+  double time = 0.0;         // s, session clock, of the last tick
 };
 
 }  // namespace tandem::haptics

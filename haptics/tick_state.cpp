@@ -29,6 +29,7 @@ const FaultLatch& TickState::fault() const { return data_->fault; }
 void TickState::meshesChanged(std::uint32_t mesh) {
   data_->tool.beforeMeshesChange();
   data_->world.meshChanged(mesh);
+  data_->modelsChanged();
   data_->tool.afterMeshesChange();
 }
 
@@ -36,12 +37,14 @@ void TickState::adopt(const ContactScene& next) {
   data_->tool.beforeMeshesChange();
   data_->scene = &next.data();
   data_->world.adopt(next);
+  data_->modelsChanged();
   data_->tool.afterMeshesChange();
 }
 
 void TickState::refine(const ContactScene& next) {
   data_->scene = &next.data();
   data_->world.refine(next);
+  data_->modelsChanged();
 }
 
 bool TickState::beginLink(const LinkTerms& terms) {

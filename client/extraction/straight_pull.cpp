@@ -33,6 +33,7 @@ class Pull {
     parameters_.graspRotStiffness = 0.1 * stiffness * settings.size * settings.size;
     parameters_.forceLimit = parameters_.torqueLimit = 1e12;
     parameters_.slewLimit = parameters_.torqueSlewLimit = 1e15;
+    parameters_.effort.taking = haptics::ContactEffort::kTakeAtOnce;
     mass_ = contact.scene().parts[settings.part].massProperties.mass;
     partFromGrip_.position = contact.data().colliders[settings.part].centre;
   }

@@ -28,6 +28,7 @@ constexpr int kFewQueries = 30;
 haptics::TickParameters parametersOf(const PartExperiment& e, const haptics::ContactEffort& effort) {
   haptics::TickParameters p;
   p.effort = effort;
+  p.effort.taking = haptics::ContactEffort::kTakeAtOnce;
   p.graspStiffness = e.stiffness;
   p.graspDamping = e.damping;
   p.forceLimit = p.torqueLimit = 1e9;

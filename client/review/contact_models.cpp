@@ -29,7 +29,8 @@ bool canBeHeld(const assets::Scene& scene, PartId part) {
 std::vector<double> tryPart(const haptics::ContactScene& contact, const haptics::ContactWorld& world,
                             PartId part) {
   haptics::TickState state(contact);
-  const haptics::TickParameters parameters;
+  haptics::TickParameters parameters;
+  parameters.effort.taking = haptics::ContactEffort::kTakeAtOnce;
   const haptics::Collider& collider = world.collider(part);
   const glm::dvec3 middle = transformPoint(world.pose(part), collider.centre);
   const std::array<haptics::PartCommand, 2> take{{{haptics::PartCommand::Kind::own, part, world.pose(part)},

@@ -5,7 +5,6 @@
 
 #include <glm/geometric.hpp>
 
-#include "haptics/contact/due_samples.h"
 #include "haptics/contact/patch_touch.h"
 #include "haptics/contact/piece_clearance.h"
 
@@ -22,7 +21,7 @@ double CandidateRows::gather() {
   const PartModel &from = *query_.from, &to = *query_.to;
   const FloatMotion motion(query_.toFromSamples, to.field.origin());
   const auto visit = [&](std::uint32_t i, const glm::vec3& place, const Reading& read) {
-    query_.fit != nullptr ? addFittedRows(i, place, read) : addRows(i, place, read);
+    addAnyRows(i, place, read);
     return clear_;
   };
   if (!query_.contained) {
@@ -35,10 +34,9 @@ double CandidateRows::gather() {
       return static_cast<double>(deepest_);
     }
   }
-  float passedBy = -1.0f;
-  bool inside = false;
-  forEachNear(from.samples, to.field, motion, query_.limit, inside, passedBy, visit);
-  deepen(passedBy);
+  NearSamples near(from.samples, to.field, motion, query_.limit);
+  while (!near.done()) near.advance(visit);
+  deepen(near.passedBy());
   return static_cast<double>(deepest_);
 }
 
@@ -64,7 +62,9 @@ void CandidateRows::addFittedRows(std::uint32_t i, const glm::vec3& place, const
 }
 
 void CandidateRows::addPlane(const glm::vec3& normal, const glm::vec3& arm, float gap, RowSource source) {
-  if (!query_.isCut(arm)) rows_.addPlane(normal, arm, gap, source);
+  if (query_.isCut(arm)) return;
+  rows_.addPlane(normal, arm, gap, source);
+  lowest_ = std::min(lowest_, gap);
 }
 
 void CandidateRows::addShapeRows(std::uint32_t i) {

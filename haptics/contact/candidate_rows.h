@@ -9,6 +9,8 @@
 #include <cstdint>
 
 #include "haptics/contact/contact_rows.h"
+#include "haptics/contact/counted_work.h"
+#include "haptics/contact/due_samples.h"
 #include "haptics/contact/sample_memory.h"
 #include "haptics/contact/side_clocks.h"
 #include "haptics/contact/side_query.h"
@@ -28,6 +30,11 @@ class CandidateRows {
   /// Adds the rows. Returns m, an upper bound of how deep any sample is in the target; 0 if all are outside.
   double gather();
 
+  /// Reads the samples that have never been read, and calls ask(source) for those of which a field leaves
+  /// open whether they touch within the reach; the rows are of no use. False if the work ran out.
+  template <typename Ask>
+  bool readAhead(const Ask& ask, CountedWork& work);
+
  private:
   using Reading = DistanceField::Reading;
 
@@ -36,7 +43,13 @@ class CandidateRows {
 
   // `i` is a sample and `place` where it is, m, relative to the origin of the target's field.
 
-  /// Adds the rows of one sample and sets `clear_`.
+  /// Adds the rows of one sample and sets `clear_`; with a fit of the pair or without.
+  void addAnyRows(std::uint32_t i, const glm::vec3& place, const Reading& read) {
+    query_.fit != nullptr ? addFittedRows(i, place, read) : addRows(i, place, read);
+  }
+  /// Whether the rows leave open whether their sample touches: the solver would ask for it at once.
+  bool leavesOpen() const { return rows_.balls() > 0 || lowest_ < 0.0f; }
+  /// The same without a fit.
   void addRows(std::uint32_t i, const glm::vec3& place, const Reading& read);
   /// The same of a pair with an interference fit.
   void addFittedRows(std::uint32_t i, const glm::vec3& place, const Reading& read);
@@ -91,6 +104,28 @@ class CandidateRows {
   float allowed_ = 0.0f;             // m, depth that the present sample had at rest
   float clear_ = 0.0f;               // m, by which the present sample with its piece may move at least
   float deepest_ = 0.0f;             // m
+  float lowest_ = 0.0f;              // m, at most the least gap of the present sample's planes
 };
+
+template <typename Ask>
+bool CandidateRows::readAhead(const Ask& ask, CountedWork& work) {
+  const PartModel &from = *query_.from, &to = *query_.to;
+  const FloatMotion motion(query_.toFromSamples, to.field.origin());
+  const AllowedDepth allowed = query_.overlaps->allowed(query_.pair, query_.ofFirst(), to.field.origin());
+  const DueTimes due = clocks_.at(query_.sampled, query_.target, query_, allowed);
+  if (due.nodes.empty()) return true;
+  const auto visit = [&](std::uint32_t i, const glm::vec3& place, const Reading& read) {
+    rows_.clear();
+    lowest_ = 0.0f;
+    addAnyRows(i, place, read);
+    if (!leavesOpen()) return clear_;
+    work.spend(CountedWork::kTouch);
+    ask(query_.source(i));
+    rows_.clear();
+    addAnyRows(i, place, read);
+    return clear_;
+  };
+  return DueSamples(from.samples, to.field, motion, allowed, query_.limit, due, visit).readAhead(work);
+}
 
 }  // namespace tandem::haptics

@@ -39,7 +39,7 @@ void ContactStep::move(std::span<MovingPart* const> moving, const Tick& tick, in
     const double longest = island_.updateGoals();
     if (longest + island_.push() < kStill * tolerance) break;
     island_.place();
-    reach_ = std::min(longest + island_.push(), kShortReach * tolerance + kGrowth * lastMotion_);
+    reach_ = std::min(longest + island_.push(), shortReach(island_) + kGrowth * lastMotion_);
     refiner_.beginStep(tick.dt, reach_, tick.effort);
     gather(reach_, tick.dt);
     joints_.addRows(island_, tick.dt, rows_);
@@ -74,6 +74,26 @@ void ContactStep::gather(double reach, double dt) {
     }
     if (overlaps_.contained(i)) rows_.addExact(overlaps_.exitRow(i, dt));
   }
+}
+
+double ContactStep::shortReach(const ContactIsland& island) { return kShortReach * island.tolerance(); }
+
+bool ContactStep::readAhead(double dt, const ContactEffort& effort, CountedWork& work) {
+  const double reach = shortReach(island_);
+  overlaps_.beginStep();
+  for (int i = 0; i < island_.pairCount(); ++i) {
+    if (!island_.pair(i).mayTouch() || overlaps_.contained(i)) continue;
+    for (const std::uint16_t side : {std::uint16_t{0}, std::uint16_t{1}}) {
+      const SideQuery query(island_, overlaps_, static_cast<std::uint16_t>(i), side, reach);
+      const auto ask = [&](RowSource source) {
+        refiner_.beginAhead(dt, reach, effort);
+        rows_.clear();
+        refiner_.refine(source, {}, rows_);
+      };
+      if (!CandidateRows(query, refiner_.memory(), clocks_, rows_).readAhead(ask, work)) return false;
+    }
+  }
+  return true;
 }
 
 void ContactStep::refineCached() {

@@ -17,6 +17,7 @@
 #include "haptics/contact/contact_island.h"
 #include "haptics/contact/contact_rows.h"
 #include "haptics/contact/contact_solver.h"
+#include "haptics/contact/counted_work.h"
 #include "haptics/contact/moving_part.h"
 #include "haptics/contact/overlaps.h"
 #include "haptics/contact/part_joints.h"
@@ -50,6 +51,13 @@ class ContactStep {
   /// Moves the bodies of the island as far as contacts and joints let them, and sets poses and velocities
   /// of the parts, which stand in the same order. At most `maxIterations` rows are refined or made active.
   void move(std::span<MovingPart* const> moving, const Tick& tick, int maxIterations);
+
+  /// Prepares the first step of an island that stands still, whose bodies are placed, with ticks of dt
+  /// seconds: reads the samples that have not been read within the reach of a short step, and asks for those
+  /// of which the field does not tell whether they touch. True once all have been.
+  bool readAhead(double dt, const ContactEffort& effort, CountedWork& work);
+  /// m, the reach by which resting contacts of an island are found.
+  static double shortReach(const ContactIsland& island);
 
  private:
   /// Adds the candidate rows of all pairs that could touch within `reach` m.

@@ -3,6 +3,7 @@
 // The samples of a side whose time has come (side_clocks.h), by the tree of balls. For the files of this room
 // only.
 
+#include "haptics/contact/counted_work.h"
 #include "haptics/contact/near_samples.h"
 #include "haptics/contact/side_clocks.h"
 
@@ -30,12 +31,24 @@ class DueSamples {
 
   void read() {
     push(0);
-    while (top_ > 0) readBalls();
-    // Children are read after their parent.
-    while (visited_ > 0) {
-      const std::uint32_t n = due_.visited[--visited_];
-      due_.nodes[n] = leastOfChildren(n);
+    while (top_ > 0) readBalls(kAtOnce);
+    close();
+  }
+
+  /// Reads those alone that have never been read, whose visits may cost work. False if the work ran out: the
+  /// rest stays as if never read.
+  bool readAhead(CountedWork& work) {
+    constexpr int kMost =
+        static_cast<int>(ContactSamples::kMaxInLeaf) * (CountedWork::kReading + CountedWork::kTouch);
+    end_ = DueTimes::kNever;
+    push(0);
+    while (top_ > 0 && !work.pauses(kMost)) {
+      work.spend(static_cast<int>(ContactSamples::kMaxInLeaf) * CountedWork::kReading);
+      readBalls(1);
     }
+    const bool done = top_ == 0;
+    close();
+    return done;
   }
 
  private:
@@ -55,8 +68,17 @@ class DueSamples {
     if (due_.nodes[n] <= end_) stack_[top_++] = n;
   }
 
+  /// Notes when the balls are due whose parts have been read.
+  void close() {
+    // Children are read after their parent.
+    while (visited_ > 0) {
+      const std::uint32_t n = due_.visited[--visited_];
+      due_.nodes[n] = leastOfChildren(n);
+    }
+  }
+
   /// Takes several balls from the stack, so that their memory latencies overlap.
-  void readBalls() {
+  void readBalls(std::size_t most) {
     std::array<std::uint32_t, kAtOnce> closed, leaves;
     std::array<glm::vec3, kAtOnce> at;
     std::uint32_t closedCount = 0, leafCount = 0;
@@ -69,7 +91,7 @@ class DueSamples {
       push(node(n).second);
       push(n + 1);
     };
-    const std::size_t batch = std::min<std::size_t>(top_, kAtOnce), first = top_ - batch;
+    const std::size_t batch = std::min(top_, most), first = top_ - batch;
     std::array<std::uint32_t, kAtOnce> taken;
     std::copy_n(stack_.begin() + static_cast<std::ptrdiff_t>(first), batch, taken.begin());
     top_ = first;
@@ -127,7 +149,7 @@ class DueSamples {
   const float reach_;  // m
   const DueTimes& due_;
   const Visit& visit_;
-  const float end_;  // time until which samples are due
+  float end_;  // time until which samples are due
   std::array<DistanceField::Reading, kAtOnce> readings_;
   // A tree of 2^32 samples is 28 levels deep, and each level leaves at most kAtOnce balls behind.
   std::array<std::uint32_t, 40 * kAtOnce> stack_;

@@ -10,10 +10,10 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr double kCells = 16.0;     // along the diagonal of an overlap
-constexpr double kStep = 0.7;       // spacings between the places from which points are sought
-constexpr double kApart = 0.7;      // spacings between points at least
-constexpr int kMaxPlaces = 20'000;  // in one measure()
+constexpr double kCells = 16.0;  // along the diagonal of an overlap
+constexpr double kStep = 0.7;    // spacings between the places from which points are sought
+constexpr double kApart = 0.7;   // spacings between points at least
+constexpr double kMaxPlaces = 20'000.0;
 // Share of a field's smallest cell up to which its error leaves it a direction, and the least slope of one.
 constexpr double kRough = 0.2, kStraight = 0.8;
 // Cosines of angles between surfaces: up to the first they do not face each other, from the second on they
@@ -53,8 +53,7 @@ InterferenceFit::Facing::Facing(const SampledModels& models, const ContactSample
   }
 }
 
-bool InterferenceFit::measure(const PartModel& hollow, const PartModel& plug, const Pose& plugFromHollow,
-                              const assets::Bounds& near, double deepest) {
+bool InterferenceFit::begin(const assets::Bounds& near) {
   points_.clear();
   cells_.clear();
   fours_.clear();
@@ -64,26 +63,26 @@ bool InterferenceFit::measure(const PartModel& hollow, const PartModel& plug, co
   spacing_ = glm::length(size) / kCells;
   origin_ = near.min;
   if (!(spacing_ > 0.0)) return false;
-  const double step = kStep * spacing_, least = kLeast * hollow.field.tolerance();
-  const glm::ivec3 count = glm::ivec3(glm::ceil(size / step)) + 1;
-  if (static_cast<double>(count.x) * count.y * count.z > kMaxPlaces) return false;
-  for (int z = 0; z < count.z; ++z) {
-    for (int y = 0; y < count.y; ++y) {
-      for (int x = 0; x < count.x; ++x) {
-        const glm::dvec3 place = near.min + step * glm::dvec3(x, y, z);
-        Surface wall, inside;
-        if (!surfaceNear(hollow, place, step, wall)) continue;
-        const glm::dvec3 facing = plugFromHollow.orientation * wall.normal;
-        if (!surfaceNear(plug, transformPoint(plugFromHollow, wall.point), deepest, inside)) continue;
-        // Where another side of the plug is nearer, this wall is not what holds it.
-        if (inside.distance > -least || glm::dot(inside.normal, facing) > -static_cast<double>(kFacing))
-          continue;
-        if (!add({glm::vec3(wall.point - origin_), glm::vec3(wall.normal)})) return false;
-      }
-    }
-  }
-  return isHollow() && index();
+  places_ = glm::ivec3(glm::ceil(size / (kStep * spacing_))) + 1;
+  return static_cast<double>(places_.x) * places_.y * places_.z <= kMaxPlaces;
 }
+
+bool InterferenceFit::lookAt(int place, const SampledModels& plugFromHollow, double deepest) {
+  const PartModel &hollow = *plugFromHollow.from, &plug = *plugFromHollow.to;
+  const Pose& pose = plugFromHollow.toFromSamples;
+  const double step = kStep * spacing_, least = kLeast * hollow.field.tolerance();
+  const glm::ivec3 at(place % places_.x, place / places_.x % places_.y, place / (places_.x * places_.y));
+  Surface wall, inside;
+  if (!surfaceNear(hollow, origin_ + step * glm::dvec3(at), step, wall)) return true;
+  const glm::dvec3 facing = pose.orientation * wall.normal;
+  if (!surfaceNear(plug, transformPoint(pose, wall.point), deepest, inside)) return true;
+  // Where another side of the plug is nearer, this wall is not what holds it.
+  if (inside.distance > -least || glm::dot(inside.normal, facing) > -static_cast<double>(kFacing))
+    return true;
+  return add({glm::vec3(wall.point - origin_), glm::vec3(wall.normal)});
+}
+
+bool InterferenceFit::end() { return isHollow() && index(); }
 
 bool InterferenceFit::add(const Point& point) {
   const auto apart = static_cast<float>(kApart * spacing_);

@@ -25,10 +25,20 @@ namespace tandem::haptics {
 
 class InterferenceFit {
  public:
-  /// Finds the seat of `plug` in `hollow` within `near`, a box around their overlap, which is `deepest` m
-  /// deep. False if the hollow part is not hollow there, or if the seat takes too many points.
-  bool measure(const PartModel& hollow, const PartModel& plug, const Pose& plugFromHollow,
-               const assets::Bounds& near, double deepest);
+  // Finding the seat of a plug in the hollow part: begin(), lookAt() for each place, end().
+
+  /// Begins within `near`, a box around the overlap of the two. False if it takes too many places.
+  bool begin(const assets::Bounds& near);
+  /// Of the box, to look at.
+  int places() const { return places_.x * places_.y * places_.z; }
+  /// Looks for the wall near a place of the box, where it is in the plug by at most `deepest` m: the side of
+  /// `plugFromHollow` is that of the hollow part's samples. False if the seat takes too many points.
+  bool lookAt(int place, const SampledModels& plugFromHollow, double deepest);
+  /// False if the part is not hollow there, or if the seat is too long.
+  bool end();
+  /// Points of the seat found so far.
+  std::size_t points() const { return points_.size(); }
+  static constexpr std::size_t kMaxPoints = 768;
 
   /// The shift (m, frame of the target) that takes a sample's surfaces back from the wall, of the plug or of
   /// the wall itself, the hollow part's.
@@ -43,7 +53,7 @@ class InterferenceFit {
   double greatestShift() const { return 1.75 * depth_; }
 
  private:
-  static constexpr std::size_t kMaxPoints = 768, kMaxEntries = 8 * kMaxPoints, kMaxCells = 256;
+  static constexpr std::size_t kMaxEntries = 8 * kMaxPoints, kMaxCells = 256;
   static constexpr std::size_t kMaxFours = kMaxEntries / 4 + kMaxCells;
   static constexpr std::size_t kMaxNormals = 16;  // of one sample
   static constexpr double kWhole = 1.2;           // spacings from a point over which its depth holds
@@ -93,6 +103,7 @@ class InterferenceFit {
   double spacing_ = 0.0;              // m, between points at most
   double depth_ = 0.0;                // m
   assets::Bounds box_;                // m; beside it a shift falls to 0 over spacing_
+  glm::ivec3 places_{0};              // along each axis of the box around the overlap
   FixedVector<Point, kMaxPoints> points_;
   FixedVector<Cell, kMaxCells> cells_;  // by number
   FixedVector<Four, kMaxFours> fours_;

@@ -5,27 +5,12 @@
 #include <glm/geometric.hpp>
 
 #include "assets/base/finite.h"
-#include "haptics/contact/near_samples.h"
-#include "haptics/geometry/segment.h"
 
 namespace tandem::haptics {
 namespace {
 
 // Of a share that is computed in float.
 constexpr float kShareRounding = 1e-4f;
-// Tolerances that parts may be deeper in each other than a fit explains.
-constexpr double kExplained = 2.0;
-// Tolerances of a depth that counts as 0, and rounds of making a fit as deep as it has to be.
-constexpr double kExact = 0.1;
-constexpr int kMaxPasses = 4, kMaxFitQueries = 2000;  // queries of one round
-// Tolerances by which a seat is made roomier than it was measured, and depths of an overlap above which a fit
-// would let the parts in further than they were.
-constexpr double kRoom = 1.0, kMuchDeeper = 1.1;
-
-void include(assets::Bounds& bounds, const glm::dvec3& p) {
-  bounds.min = glm::min(bounds.min, p);
-  bounds.max = glm::max(bounds.max, p);
-}
 
 double sizeOf(const assets::Bounds& bounds) { return glm::length(bounds.max - bounds.min); }
 
@@ -41,22 +26,6 @@ float leastShare(const glm::vec3& middle, const glm::vec3& half, float margin, c
                  float radius) {
   const glm::vec3 off = glm::max(glm::abs(p - middle) + radius - half, glm::vec3(0.0f));
   return 1.0f - glm::length(off) / margin;
-}
-
-/// Whether p is behind the surface at the surface's nearest point. On an edge or in a corner p must be
-/// behind every face that meets there, because before a sharp edge one face alone may be wrong.
-bool isBehind(const MeshEdges& edges, const MeshPoint& nearest, const glm::dvec3& p) {
-  const glm::dvec3 off = p - nearest.point;
-  if (glm::dot(edges.normal(nearest.triangle), off) >= 0.0) return false;
-  if (nearest.onFace) return true;
-  const double near = 1e-6 * nearest.distance;
-  for (const std::uint32_t i : edges.around(nearest.triangle)) {
-    const MeshEdge edge = edges.edge(i);
-    if (glm::length(nearest.point - closestPointOnSegment(nearest.point, edge.a, edge.b)) > near) continue;
-    for (const glm::dvec3& normal : edge.normals)
-      if (glm::dot(normal, off) >= 0.0) return false;
-  }
-  return true;
 }
 
 }  // namespace
@@ -194,56 +163,17 @@ void Overlaps::forget(PartId part) {
   for (auto left = overlaps_.end() - end; left > 0; --left) overlaps_.pop_back();
 }
 
-void Overlaps::measure(bool exits) {
-  queries_ = 0;
-  for (const ContactPair& pair : island_.pairs()) {
-    if (!TICK_ASSERT(fault_, pair.model != nullptr && island_.first(pair).model != nullptr)) return;
-    if (!keepFit(pair)) measurePair(pair, exits);
-  }
-}
-
-void Overlaps::measurePair(const ContactPair& pair, bool exits) {
-  const ContactBody& body = island_.first(pair);
-  Side ofFirst, ofOther;
-  // The other part's samples come first; those of the first part extend the bounds that they leave.
-  measureSide({pair.model, body.model, inverse(pair.otherFromFirst)}, ofOther);
-  ofFirst.inSampled = ofOther.inTarget;
-  ofFirst.inTarget = ofOther.inSampled;
-  measureSide({body.model, pair.model, pair.otherFromFirst}, ofFirst);
-  const double depth = std::max(ofFirst.depth, ofOther.depth);
-  if (!(depth > 0.0)) return;
-  if (overlaps_.full()) {
-    std::copy(overlaps_.begin() + 1, overlaps_.end(), overlaps_.begin());
-    overlaps_.pop_back();
-  }
-  Overlap& overlap = overlaps_.push_back({});
-  overlap = {body.part, pair.other, depth, ofFirst.inSampled, ofFirst.inTarget};
-  // The overlap may reach further than its samples by as much as they stand apart.
-  const glm::dvec3 grow(body.model->samples.smoothSpacing() + pair.model->samples.smoothSpacing());
-  for (assets::Bounds* bounds : {&overlap.inA, &overlap.inB}) {
-    bounds->min -= grow;
-    bounds->max += grow;
-  }
-  overlap.margin = 0.25 * sizeOf(overlap.inA);
-  overlap.contained = exits && ofFirst.allInside;
-  if (overlap.contained)
-    overlap.exit = exitDirection(pair, body.part);
-  else
-    findFit(pair, overlap);
-  TICK_ASSERT(fault_, overlap.allowed > 0.0 && isFinite(overlap.exit));
-}
-
-bool Overlaps::keepFit(const ContactPair& pair) {
-  const PartId part = island_.first(pair).part;
+const Overlaps::Overlap* Overlaps::fitted(PartId one, PartId other) const {
   const auto known = std::find_if(overlaps_.begin(), overlaps_.end(), [&](const Overlap& overlap) {
-    return overlap.fit != kNoFit && isOf(overlap, part, pair.other);
+    return overlap.fit != kNoFit && isOf(overlap, one, other);
   });
-  if (known == overlaps_.end()) return false;
-  const InterferenceFit& fit = *fits_[static_cast<std::size_t>(known->fit)];
-  const double most = kExplained * pair.model->field.tolerance();
-  if (unexplained(fit, pair, known->aIsHollow == (known->a == part)) <= most) return true;
-  overlaps_.erase(known);
-  return false;
+  return known != overlaps_.end() ? &*known : nullptr;
+}
+
+OverlapMeasure::KnownFit Overlaps::knownFit(PartId first, PartId other) const {
+  const Overlap* const known = fitted(first, other);
+  if (known == nullptr) return {};
+  return {&*fits_[static_cast<std::size_t>(known->fit)], known->aIsHollow == (known->a == first)};
 }
 
 int Overlaps::freeFit() const {
@@ -254,130 +184,24 @@ int Overlaps::freeFit() const {
   return kNoFit;
 }
 
-void Overlaps::findFit(const ContactPair& pair, Overlap& overlap) {
-  const PartModel &first = *island_.first(pair).model, &other = *pair.model;
-  if (first.byFormula() || other.byFormula() || !first.field.solid() || !other.field.solid()) return;
-  if (overlap.allowed < std::max(first.field.tolerance(), other.field.tolerance())) return;
-  const int free = freeFit();
-  if (free == kNoFit) return;
-  InterferenceFit& fit = fits_[static_cast<std::size_t>(free)].emplace();
-  for (const bool firstIsHollow : {false, true}) {
-    if (!measureFit(fit, pair, firstIsHollow, overlap)) continue;
+void Overlaps::remember(PartId first, PartId other, const MeasuredOverlap& measured,
+                        const InterferenceFit* fit) {
+  if (measured.keepsFit) return;
+  if (const Overlap* const known = fitted(first, other))
+    overlaps_.erase(overlaps_.begin() + (known - overlaps_.data()));
+  if (!(measured.depth > 0.0)) return;
+  if (overlaps_.full()) overlaps_.erase(overlaps_.begin());
+  Overlap& overlap = overlaps_.push_back({});
+  overlap = {first, other, measured.depth, measured.inFirst, measured.inOther};
+  overlap.margin = 0.25 * sizeOf(overlap.inA);
+  overlap.contained = measured.contained;
+  overlap.exit = measured.exit;
+  if (const int free = fit != nullptr ? freeFit() : kNoFit; free != kNoFit) {
+    fits_[static_cast<std::size_t>(free)] = *fit;
     overlap.fit = free;
-    overlap.aIsHollow = firstIsHollow;
-    return;
+    overlap.aIsHollow = measured.firstIsHollow;
   }
-}
-
-bool Overlaps::measureFit(InterferenceFit& fit, const ContactPair& pair, bool firstIsHollow,
-                          const Overlap& overlap) const {
-  const double deepest = 1.5 * overlap.allowed;
-  const PartModel &first = *island_.first(pair).model, &other = *pair.model;
-  const bool found = firstIsHollow
-                         ? fit.measure(first, other, pair.otherFromFirst, overlap.inA, deepest)
-                         : fit.measure(other, first, inverse(pair.otherFromFirst), overlap.inB, deepest);
-  if (!found) return false;
-  const double tolerance = other.field.tolerance();
-  double left = 1e300;
-  for (int pass = 0; pass < kMaxPasses && left > kExact * tolerance; ++pass) {
-    left = unexplained(fit, pair, firstIsHollow);
-    if (left > kMuchDeeper * overlap.allowed) return false;
-    fit.setDepth(fit.depth() + left);
-  }
-  fit.setDepth(fit.depth() + kRoom * tolerance);
-  return left <= kExact * tolerance && fit.depth() < kMuchDeeper * overlap.allowed;
-}
-
-double Overlaps::unexplained(const InterferenceFit& fit, const ContactPair& pair, bool firstIsHollow) const {
-  const PartModel &first = *island_.first(pair).model, &other = *pair.model;
-  double deepest = 0.0;
-  int queries = 0;
-  const auto see = [&](const SampledModels& models, bool ofHollow) {
-    const DistanceField& field = models.to->field;
-    float passedBy = -1.0f;
-    bool allInside = false;
-    forEachNear(models.from->samples, field, FloatMotion(models.toFromSamples, field.origin()), 0.0f,
-                allInside, passedBy, [&](std::uint32_t i, const glm::vec3&, const DistanceField::Reading&) {
-                  const ContactSample& sample = models.from->samples.samples()[i];
-                  const glm::dvec3 at = transformPoint(models.toFromSamples, sample.point);
-                  deepest = deeperIn(*models.to, at + fit.shift(models, sample, ofHollow), deepest, queries);
-                });
-  };
-  see({&first, &other, pair.otherFromFirst}, firstIsHollow);
-  see({&other, &first, inverse(pair.otherFromFirst)}, !firstIsHollow);
-  return deepest;
-}
-
-double Overlaps::deeperIn(const PartModel& part, const glm::dvec3& p, double known, int& queries) {
-  const DistanceField::Reading read = part.field.read(glm::vec3(p - part.field.origin()));
-  const auto distance = static_cast<double>(read.distance), error = static_cast<double>(read.error);
-  if (error - distance <= known) return known;
-  if (error < kExact * part.field.tolerance()) return error - distance;
-  // Nothing is known of what there is no time to look at.
-  if (++queries > kMaxFitQueries) return 1e300;
-  MeshPoint nearest;
-  if (!part.tree->closestPoint(p, 1.001 * (error - distance), nearest)) return known;
-  const bool inside = distance < -error || isBehind(part.edges, nearest, p);
-  return inside ? std::max(known, nearest.distance) : known;
-}
-
-glm::dvec3 Overlaps::exitDirection(const ContactPair& pair, PartId part) const {
-  const glm::dvec3 centre = transformPoint(pair.otherFromFirst, world_.collider(part).centre);
-  MeshPoint nearest;
-  pair.model->tree->closestPoint(centre, 1e300, nearest);
-  const glm::dvec3 path = nearest.point - centre;
-  const double length = glm::length(path);
-  if (length > 0.0) return path / length;
-  return pair.model->byFormula() ? pair.model->field.shapes().front().at(centre).gradient
-                                 : pair.model->edges.normal(nearest.triangle);
-}
-
-void Overlaps::measureSide(const SampledModels& models, Side& side) {
-  const PartModel &from = *models.from, &to = *models.to;
-  side.allInside = !from.samples.samples().empty() && to.field.solid();
-  float passedBy = -1.0f;
-  forEachNear(from.samples, to.field, FloatMotion(models.toFromSamples, to.field.origin()), 0.0f,
-              side.allInside, passedBy,
-              [&](std::uint32_t i, const glm::vec3&, const DistanceField::Reading& read) {
-                measureSample(models, from.samples.samples()[i], read, side);
-              });
-}
-
-void Overlaps::measureSample(const SampledModels& models, const ContactSample& sample,
-                             const DistanceField::Reading& read, Side& side) {
-  const PartModel& to = *models.to;
-  const glm::dvec3 &point = sample.point, inTarget = transformPoint(models.toFromSamples, point);
-  const auto note = [&](double depth) {
-    side.depth = std::max(side.depth, depth);
-    include(side.inSampled, point);
-    include(side.inTarget, inTarget);
-  };
-  glm::dvec3 p = inTarget;
-  if (to.byFormula()) {
-    const double depth = depthOf(models, sample, p);
-    if (depth > 0.0) note(depth);
-    return;
-  }
-  const bool round = models.from->samples.isRound(sample);
-  const double maxDepth = static_cast<double>(read.error) - static_cast<double>(read.distance) +
-                          (round ? static_cast<double>(sample.along) : 0.0);
-  if (maxDepth <= side.depth && point == glm::clamp(point, side.inSampled.min, side.inSampled.max)) return;
-  if (round) depthOf(models, sample, p);
-  const bool surelyInside = read.distance < -read.error;
-  double depth = surelyInside ? maxDepth : 0.0;
-  bool inside = surelyInside;
-  if (maxDepth > side.depth || !surelyInside) {
-    if (++queries_ > kMaxQueries) {
-      inside = true;
-    } else {
-      // An inner sample has the surface within maxDepth, so a sample without a surface there is outside.
-      MeshPoint nearest;
-      if (!to.tree->closestPoint(p, 1.001 * maxDepth, nearest)) return;
-      inside = surelyInside || isBehind(to.edges, nearest, p);
-      depth = nearest.distance;
-    }
-  }
-  if (inside) note(depth);
+  TICK_ASSERT(fault_, overlap.allowed > 0.0 && isFinite(overlap.exit));
 }
 
 }  // namespace tandem::haptics

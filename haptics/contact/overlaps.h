@@ -22,7 +22,7 @@
 #include "haptics/contact/contact_island.h"
 #include "haptics/contact/contact_rows.h"
 #include "haptics/contact/interference_fit.h"
-#include "haptics/contact/sample_touch.h"
+#include "haptics/contact/overlap_measure.h"
 
 namespace tandem::haptics {
 
@@ -44,16 +44,18 @@ struct AllowedDepth {
 class Overlaps {
  public:
   /// Alone allocates.
-  Overlaps(const ContactWorld& world, const ContactIsland& island, FaultLatch& fault)
-      : world_(world), island_(island), fault_(fault), fits_(new std::optional<InterferenceFit>[kMaxFits]) {}
+  Overlaps(const ContactIsland& island, FaultLatch& fault)
+      : island_(island), fault_(fault), fits_(new std::optional<InterferenceFit>[kMaxFits]) {}
 
   // When a part begins to move here.
 
   /// Forgets the overlaps of a part; fits stay.
   void forget(PartId part);
-  /// Measures and remembers the overlap of each pair of the island, which is placed. The oldest overlaps are
-  /// forgotten where there is no room. Without `exits` no part counts as wholly inside another.
-  void measure(bool exits = true);
+  /// The fit of two parts, if one is known.
+  OverlapMeasure::KnownFit knownFit(PartId first, PartId other) const;
+  /// Remembers the overlap of two parts as it has been measured, with its fit or null. The oldest overlap is
+  /// forgotten where there is no room.
+  void remember(PartId first, PartId other, const MeasuredOverlap& measured, const InterferenceFit* fit);
 
   // In a step, in this order: beginStep(); noteDepth() for each pair; endStep().
 
@@ -86,7 +88,6 @@ class Overlaps {
  private:
   static constexpr std::size_t kMaxOverlaps = 64, kMaxFits = 32;
   static constexpr int kNoFit = -1;
-  static constexpr int kMaxQueries = 400;  // exact distances to meshes in one measure()
 
   /// Two parts that were in each other when one began to move here.
   struct Overlap {
@@ -99,42 +100,17 @@ class Overlaps {
     int fit = kNoFit;                // into fits_
     bool aIsHollow = false;          // of a fit
   };
-  /// The overlap as the samples of one part measure it.
-  struct Side {
-    double depth = 0.0;  // m
-    bool allInside = true;
-    assets::Bounds inSampled, inTarget;  // m, part frames
-  };
   const Overlap& overlapOf(int pair) const;
   bool isOf(const Overlap& overlap, PartId one, PartId other) const {
     return (overlap.a == one && overlap.b == other) || (overlap.b == one && overlap.a == other);
   }
-  /// Whether a fit of the pair still explains how the parts stand in each other; else forgets it.
-  bool keepFit(const ContactPair& pair);
-  /// Makes an overlap an interference fit, if it is one.
-  void findFit(const ContactPair& pair, Overlap& overlap);
-  /// Measures a fit whose seat is in one of the parts, near their overlap.
-  bool measureFit(InterferenceFit& fit, const ContactPair& pair, bool firstIsHollow,
-                  const Overlap& overlap) const;
-  /// m, how deep any sample of the pair is in the other part beyond what a fit explains.
-  double unexplained(const InterferenceFit& fit, const ContactPair& pair, bool firstIsHollow) const;
-  /// The larger (m) of a known depth and that of a point in a mesh; counts exact queries.
-  static double deeperIn(const PartModel& part, const glm::dvec3& p, double known, int& queries);
+  const Overlap* fitted(PartId one, PartId other) const;
   int freeFit() const;
-  void measurePair(const ContactPair& pair, bool exits);
-  void measureSide(const SampledModels& models, Side& side);
-  void measureSample(const SampledModels& models, const ContactSample& sample,
-                     const DistanceField::Reading& read, Side& side);
-  /// The direction of the shortest path out of the other part for a part that lies in it; unit, other
-  /// part's frame.
-  glm::dvec3 exitDirection(const ContactPair& pair, PartId part) const;
 
-  const ContactWorld& world_;
   const ContactIsland& island_;
   FaultLatch& fault_;
   FixedVector<Overlap, kMaxOverlaps> overlaps_;
   std::unique_ptr<std::optional<InterferenceFit>[]> fits_;  // kMaxFits; the storage of none is not written
-  int queries_ = 0;                                         // of the present measure()
   // Of the present step, one a pair of the island.
   std::array<int, kMaxPairs> of_{};          // into overlaps_; -1: none
   std::array<double, kMaxPairs> deepest_{};  // m, an upper bound

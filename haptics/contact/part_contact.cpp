@@ -12,25 +12,93 @@ namespace tandem::haptics {
 
 static_assert(kMaxOwnedParts <= kMaxBodies);
 
+namespace {
+
+constexpr int kAtOnce = 20'000;  // units of work, for a part that is taken in a hurry
+
+}  // namespace
+
 PartContact::PartContact(const ContactWorld& world, FaultLatch& fault)
     : world_(world),
       fault_(fault),
       joints_(world.scene(), fault),
       finder_(world, joints_),
       island_(world, fault),
-      overlaps_(world, island_, fault),
+      overlaps_(island_, fault),
       history_(fault),
-      step_(world, island_, overlaps_, joints_, history_, fault) {}
+      step_(world, island_, overlaps_, joints_, history_, fault),
+      standing_(world, finder_, island_, overlaps_, step_, fault),
+      atOnce_(world, finder_, island_, overlaps_, step_, fault) {}
 
 void PartContact::own(PartId part, const glm::dvec3& centreOfMass) {
   if (!TICK_ASSERT(fault_, world_.has(part))) return;
   history_.forget(part);
   joints_.restart(part);
-  measureOverlaps(part, centreOfMass, true);
+  if (!collides(part)) return overlaps_.forget(part);
+  if (isTaking(part)) return;
+  const Waiting waiting{part, centreOfMass};
+  waiting_.full() ? takeAtOnce(waiting, true) : static_cast<void>(waiting_.push_back(waiting));
+}
+
+void PartContact::disown(PartId part) {
+  const Waiting* const waiting = waitingFor(part);
+  if (waiting == nullptr) return;
+  if (waiting == waiting_.data()) begun_ = false;
+  waiting_.erase(waiting_.begin() + (waiting - waiting_.data()));
+}
+
+void PartContact::hurry(PartId part) {
+  for (Waiting& waiting : waiting_)
+    if (waiting.part == part) waiting.hurried = true;
+}
+
+const PartContact::Waiting* PartContact::waitingFor(PartId part) const {
+  const auto found = std::find_if(waiting_.begin(), waiting_.end(),
+                                  [part](const Waiting& waiting) { return waiting.part == part; });
+  return found != waiting_.end() ? &*found : nullptr;
+}
+
+void PartContact::take(double dt, const ContactEffort& effort) {
+  dt_ = dt;
+  if (begun_ && !standing_.undisturbed()) waiting_[0].hurried = true;
+  for (std::size_t i = 0; i < waiting_.size();) {
+    const Waiting waiting = waiting_[i];
+    if (waiting.hurried) {
+      disown(waiting.part);
+      takeAtOnce(waiting, true);
+    } else {
+      ++i;
+    }
+  }
+  CountedWork work(std::max(effort.taking, CountedWork::kLargest));
+  while (!waiting_.empty()) {
+    const Waiting& waiting = waiting_[0];
+    if (!begun_) standing_.begin(waiting.part, waiting.centreOfMass, dt);
+    begun_ = true;
+    if (!standing_.advance(effort, work)) break;
+    disown(waiting.part);
+  }
+  takingWork_ = work.spent();
+  // What still waits touches nothing; other parts find their touches anew.
+  if (!waiting_.empty()) touches_.clear();
+}
+
+void PartContact::takeAtOnce(const Waiting& waiting, bool exits) {
+  CountedWork work(kAtOnce, true);
+  atOnce_.begin(waiting.part, waiting.centreOfMass, dt_, exits);
+  const bool taken = atOnce_.advance({}, work);
+  TICK_ASSERT(fault_, taken);
+}
+
+void PartContact::modelsChanged() {
+  if (begun_ && !standing_.hasSameModels()) begun_ = false;
+  const auto left = std::remove_if(waiting_.begin(), waiting_.end(),
+                                   [&](const Waiting& waiting) { return !collides(waiting.part); });
+  waiting_.shrink(static_cast<std::size_t>(left - waiting_.begin()));
 }
 
 void PartContact::sectionsMoved(PartId part, const glm::dvec3& centreOfMass) {
-  measureOverlaps(part, centreOfMass, false);
+  if (!isTaking(part) && collides(part)) takeAtOnce({part, centreOfMass}, false);
 }
 
 bool PartContact::pressesWhereCut(PartId part) const {
@@ -39,18 +107,6 @@ bool PartContact::pressesWhereCut(PartId part) const {
     return (touch.of == part || touch.part == part) && touch.force > kLeast &&
            isCutAway(world_.sections(), touch.point);
   });
-}
-
-void PartContact::measureOverlaps(PartId part, const glm::dvec3& centreOfMass, bool exits) {
-  overlaps_.forget(part);
-  if (!collides(part)) return;
-  island_.clear();
-  island_.addBody(part, centreOfMass, world_.pose(part));
-  finder_.findTouching(0.0, dt_, island_);
-  work_.overflow = work_.overflow || island_.overflowed();
-  island_.place();
-  overlaps_.measure(exits);
-  TICK_ASSERT(fault_, island_.bodyCount() == 1 && island_.body(0).part == part);
 }
 
 void PartContact::move(std::span<MovingPart> moving, double dt, const ContactEffort& effort) {

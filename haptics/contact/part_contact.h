@@ -14,6 +14,8 @@
 
 #include "haptics/base/contact_effort.h"
 #include "haptics/base/fault.h"
+#include "haptics/base/fixed_vector.h"
+#include "haptics/base/tick_types.h"
 #include "haptics/contact/contact_history.h"
 #include "haptics/contact/contact_island.h"
 #include "haptics/contact/contact_step.h"
@@ -21,6 +23,7 @@
 #include "haptics/contact/overlaps.h"
 #include "haptics/contact/pair_finder.h"
 #include "haptics/contact/part_joints.h"
+#include "haptics/contact/part_taking.h"
 #include "haptics/scene/contact_world.h"
 
 namespace tandem::haptics {
@@ -49,9 +52,22 @@ class PartContact {
     }
   }
 
-  /// Moves a part here from now on, from its pose in the world. Overlaps that it has with its neighbours
-  /// are measured (overlaps.h).
+  /// Moves a part here from now on, from its pose in the world, once take() has taken it. No effect on a part
+  /// that is being taken.
   void own(PartId part, const glm::dvec3& centreOfMass);
+  /// A part does not move here any more.
+  void disown(PartId part);
+  /// Whether a part is being taken (part_taking.h): until that is over it must not be moved.
+  bool isTaking(PartId part) const { return waitingFor(part) != nullptr; }
+  /// A part that is being taken cannot stand still: the next take() takes it in a hurry.
+  void hurry(PartId part);
+  /// Once in each tick of dt seconds, before move(): goes on with the parts that are being taken, in the
+  /// order in which they came. What takes little work is taken at once.
+  void take(double dt, const ContactEffort& effort);
+  /// Work that the last take() has done for parts that could stand still, in units (counted_work.h).
+  int takingWork() const { return takingWork_; }
+  /// The world's models have been exchanged.
+  void modelsChanged();
 
   /// Sections have moved. What they bring back of a part that moves here and of its neighbours may stay as
   /// deep in each other as it is.
@@ -83,7 +99,15 @@ class PartContact {
  private:
   using Moving = std::span<MovingPart* const>;
 
-  void measureOverlaps(PartId part, const glm::dvec3& centreOfMass, bool exits);
+  /// A part that is being taken.
+  struct Waiting {
+    PartId part = kNoPart;
+    glm::dvec3 centreOfMass{0.0};  // m, part frame
+    bool hurried = false;
+  };
+  const Waiting* waitingFor(PartId part) const;
+  /// Takes a part at once, as well as a limited portion of work allows.
+  void takeAtOnce(const Waiting& waiting, bool exits);
   /// Makes one island of these parts.
   void gather(Moving moving);
 
@@ -95,6 +119,10 @@ class PartContact {
   Overlaps overlaps_;
   ContactHistory history_;
   ContactStep step_;
+  FixedVector<Waiting, kMaxOwnedParts> waiting_;
+  PartTaking standing_, atOnce_;  // of the first part that waits, once begun; of one in a hurry
+  bool begun_ = false;
+  int takingWork_ = 0;
   PartTouches touches_;
   Work work_;
   double dt_ = 0.0;  // s, of the last tick

@@ -52,13 +52,17 @@ void orientToSample(TouchingFeature& found, const SampleAnswer* last, double tol
 }  // namespace
 
 void SampleRefiner::beginStep(double dt, double reach, const ContactEffort& effort) {
+  beginAhead(dt, reach, effort);
+  memory_.beginStep();
+}
+
+void SampleRefiner::beginAhead(double dt, double reach, const ContactEffort& effort) {
   TICK_ASSERT(fault_, dt > 0.0 && reach >= 0.0);
   dt_ = dt;
   reach_ = reach;
   exact_ = effort.exact;
   descend_ = effort.descend;
   queries_ = descents_ = 0;
-  memory_.beginStep();
 }
 
 void SampleRefiner::refine(RowSource source, const Displacement& u, ContactRows& rows) {

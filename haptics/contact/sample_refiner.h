@@ -28,6 +28,8 @@ class SampleRefiner final : public RowRefiner {
 
   /// Begins a step of a tick of dt seconds in which nothing moves further than `reach` m.
   void beginStep(double dt, double reach, const ContactEffort& effort);
+  /// Begins to ask ahead for samples of the next step, which has this reach: what is known does not age.
+  void beginAhead(double dt, double reach, const ContactEffort& effort);
 
   void refine(RowSource source, const Displacement& u, ContactRows& rows) override;
   glm::dvec3 surfaceMotion(const ExactRow& row) const override;

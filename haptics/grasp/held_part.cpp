@@ -9,8 +9,9 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr double kClosingTime = 0.5;  // s, in which a hand closes on a part that other sites hold too
-constexpr double kLongestWait = 1.0;  // s, for the link that is to carry the part before
+constexpr double kClosingTime = 0.5;   // s, in which a hand closes on a part that other sites hold too
+constexpr double kLongestWait = 1.0;   // s, for the link that is to carry the part before
+constexpr double kDampingTime = 0.05;  // s, in which the damper of a grip comes
 
 /// Mass properties fit for integration. Where the scene has none, or an inertia that no body can have, those
 /// of a ball of aluminium of half the part's extent: heavy enough to feel, and of the right order in every
@@ -133,6 +134,9 @@ struct Tie {
 Coupling couplingOf(Grip& grip, const HandPull& hand, const Pose& worldFromBody, const Tie& tie, double dt) {
   const DeviceSample& device = *hand.device;
   CouplingGains gains = firm(hand.gains, grip.firmness);
+  grip.damped = std::min(1.0, grip.damped + dt / kDampingTime);
+  gains.damping *= grip.damped;
+  gains.rotDamping *= grip.damped;
   const double gap = glm::length(device.worldFromDevice.position -
                                  transformPoint(worldFromBody, grip.bodyFromGrip.position));
   const double stretch = gains.stiffness * gap / (hand.forceLimit + tie.weight);  // 1: at the limit
@@ -373,14 +377,42 @@ void HeldParts::react(SimulatedPart& entry, const HandPulls& hands, const Couple
   links_.account(entry.part, entry.body, velocity, spin, {-back.force, -back.torque});
 }
 
+void HeldParts::take(PartContact& contact, const TickParameters& parameters) {
+  for (const SimulatedPart& entry : parts_) {
+    const RigidBody& body = entry.body;
+    const double size = sizeOf(body);
+    const bool still = glm::length(body.twist.linear) + size * glm::length(body.twist.angular) <=
+                       PartContact::kRestShare * size;
+    if (!still || entry.moved.control != nullptr || links_.has(entry.part)) contact.hurry(entry.part);
+  }
+  contact.take(parameters.dt, parameters.effort);
+}
+
+void HeldParts::stand(SimulatedPart& entry, const HandPulls& hands) {
+  entry.body.twist = Twist{};
+  for (std::size_t h = 0; h < kHands; ++h) {
+    Grip& grip = entry.grips[h];
+    if (!grip.holds) continue;
+    grip.onHand = Wrench{};
+    grip.damped = 0.0;
+    if (hands[h].device != nullptr)
+      grip.bodyFromGrip = inverse(entry.body.worldFromBody) * hands[h].device->worldFromDevice;
+  }
+}
+
 std::array<Wrench, kHands> HeldParts::step(const HandPulls& hands, const TickParameters& parameters,
                                            const assets::Scene& scene, PartContact* contact, double now) {
   std::array<Wrench, kHands> onHands;
   FixedVector<MovingPart, kMaxOwnedParts> moving;
   FixedVector<SimulatedPart*, kMaxOwnedParts> entries;  // of `moving`
   const double dt = parameters.dt;
+  if (contact != nullptr) take(*contact, parameters);
   for (SimulatedPart& entry : parts_) {
     if (entry.moved.control != nullptr) continue;
+    if (contact != nullptr && contact->isTaking(entry.part)) {
+      stand(entry, hands);
+      continue;
+    }
     glm::dvec3 gravity = gravityOn(entry.part, parameters, scene);
     // Without a hand to pull it (let go, or the sample was lost) a part comes to rest where it is, unless
     // it is free.

@@ -12,7 +12,9 @@
 //    of them lets go, its wrench on the part fades.
 // 5. A part that other sites simulate too is coupled to their replicas by links, which act on it in the
 //    same implicit step (replica_links.h). It never rests while it is linked.
-// 6. Nothing here allocates.
+// 6. A part that is being taken (part_taking.h) stands still and pulls at no hand, until all is known of it
+//    that its first step needs. One that cannot stand still is taken in a hurry.
+// 7. Nothing here allocates.
 
 #include <array>
 #include <span>
@@ -54,6 +56,7 @@ struct Grip {
   Wrench onHand;          // of the last step
   double firmness = 1.0;  // 0..1: how far the fingers have closed
   double waited = 0.0;    // s, with open fingers, for the link to carry the part
+  double damped = 1.0;    // 0..1: share of its damper, which a hand feels that moved while the part was taken
 };
 
 /// A part simulated here.
@@ -137,6 +140,10 @@ class HeldParts {
 
  private:
   SimulatedPart* find(PartId part);
+  /// Goes on with the parts that are being taken.
+  void take(PartContact& contact, const TickParameters& parameters);
+  /// Keeps a part that is being taken where it is, in open hands.
+  static void stand(SimulatedPart& entry, const HandPulls& hands);
   /// The step of a part that hands or links pull at; false if none does.
   bool pulledStep(SimulatedPart& entry, const HandPulls& hands, const glm::dvec3& gravity, double dt,
                   double now, CoupledStep& step);

@@ -14,7 +14,7 @@
 #include <glm/geometric.hpp>
 
 #include "haptics/measure/held_depth.h"
-#include "haptics/tick.h"
+#include "haptics/tick_data.h"
 #include "tests/support/full_size.h"
 #include "tests/support/part_cases.h"
 
@@ -69,8 +69,8 @@ class HeldPartRig {
         parameters_(settings) {}
   HeldPartRig(const HeldPartRig&) = delete;
 
-  /// Takes the part and leads it to the end of the path. Measures the depth every `depthEvery` ticks; 0 =
-  /// never.
+  /// Takes the part, with the hand held still until it is taken, and leads it to the end of the path.
+  /// Measures the depth every `depthEvery` ticks; 0 = never.
   const HeldPartRig& run(int depthEvery = 10) { return runTo(case_.duration, depthEvery); }
   /// The same to a time on the path, from where it is.
   const HeldPartRig& runTo(double time, int depthEvery = 10) {
@@ -179,6 +179,11 @@ class HeldPartRig {
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
   }
 
+  bool isTaking() {
+    const haptics::PartContact* const contact = state_.data().partContact.get();
+    return contact != nullptr && contact->isTaking(case_.held);
+  }
+
   void step(int index, int depthEvery) {
     using Kind = haptics::PartCommand::Kind;
     RigTick t;
@@ -199,8 +204,10 @@ class HeldPartRig {
         {Kind::own, case_.held, case_.scene.parts[case_.held].worldFromPart}, {Kind::grasp, case_.held, {}}};
     if (index == 0) input.commands = take;
     const double begin = cpuNow();
-    const haptics::TickOutput out = haptics::tick(input, *present_, parameters_, state_);
+    haptics::TickOutput out = haptics::tick(input, *present_, parameters_, state_);
     t.cpu = cpuNow() - begin;
+    input.commands = {};
+    while (isTaking()) out = haptics::tick(input, *present_, parameters_, state_);
     t.part = state_.worldFromPart(case_.held);
     t.toHand = out.hands[0].toHand;
     t.contacts = out.contactCount;

@@ -26,8 +26,7 @@ GearAtRest restOnGear(double raised) {
   const Pose below{glm::dvec3(0.0), straight}, above{{0.0, 0.0, gear.width}, straight};
   MovingRig rig(sceneOfParts({{.name = "below", .mesh = mesh, .worldFromPart = below, .movable = true},
                               {.name = "above", .mesh = mesh, .worldFromPart = above, .movable = true}}));
-  rig.ownAndGrasp(1, above);
-  rig.tick();
+  rig.takeHold(1, above);
   rig.at({{0.0, 0.0, gear.width - 1.0 / rig.parameters.graspStiffness}, straight});
   rig.tick(30);
   haptics::PartMotion rise;

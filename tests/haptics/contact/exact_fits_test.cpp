@@ -25,7 +25,7 @@ class ExactFitRig {
  public:
   explicit ExactFitRig(const ExactFit& given) : fit(given), rig(exactFitScene(given), glm::dvec3(0.0), 2.0) {
     rig.each = [this] { note(); };
-    rig.ownAndGrasp(0, turned(0.0));
+    rig.takeHold(0, turned(0.0));
     const double half = std::numbers::pi / fit.segments;
     rig.lead([&](double t) { return turned(std::min(1.0, t / 0.05) * half); }, 0.1);
   }

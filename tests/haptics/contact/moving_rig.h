@@ -33,12 +33,16 @@ class MovingRig {
   MovingRig(const MovingRig&) = delete;
 
   /// Everything stands as in the file again, and nothing is owned.
-  void restart() { state_ = haptics::TickState(contact_); }
+  void restart() { state_ = haptics::TickState(*present_); }
 
   /// From the next tick on.
   void own(PartId part) { commands_.push_back({Kind::own, part, pose(part)}); }
   void grasp(PartId part) { commands_.push_back({Kind::grasp, part, {}}); }
   void letGo(PartId part) { commands_.push_back({Kind::letGo, part, {}}); }
+  /// Owns a part that moves with a twist.
+  void throwPart(PartId part, const Twist& twist) {
+    commands_.push_back({Kind::own, part, pose(part), 0, twist});
+  }
   void disown(PartId part) { commands_.push_back({Kind::disown, part, {}}); }
 
   /// The hand is put at a pose: the first time, or to hold still there.
@@ -55,6 +59,14 @@ class MovingRig {
     grasp(part);
   }
 
+  /// The same, and holds still until the part is taken.
+  void takeHold(PartId part, const Pose& device) {
+    ownAndGrasp(part, device);
+    do {
+      tick();
+    } while (contact().isTaking(part));
+  }
+
   void tick(int count = 1) {
     for (int i = 0; i < count; ++i) {
       haptics::TickInput input;
@@ -62,11 +74,18 @@ class MovingRig {
       input.hands[0].device = sample_;
       input.commands = commands_;
       input.moved = moved;
-      out = haptics::tick(input, contact_, parameters, state_);
+      input.sections = sections;
+      out = haptics::tick(input, *present_, parameters, state_);
       commands_.clear();
       flags |= out.flags;
       if (each) each();
     }
+  }
+
+  /// Goes on with a scene whose models are refined, which must outlive this.
+  void refine(const haptics::ContactScene& next) {
+    present_ = &next;
+    state_.refine(next);
   }
 
   /// Leads the hand along a path of `duration` s, from its beginning.
@@ -94,6 +113,7 @@ class MovingRig {
 
   const Pose& pose(PartId part) const { return state_.worldFromPart(part); }
   const assets::Scene& scene() const { return scene_; }
+  const haptics::ContactScene& contactScene() const { return *present_; }
   haptics::TickState& state() { return state_; }
   const haptics::PartContact& contact() { return *state_.data().partContact; }
   const haptics::OwnedPart& owned(PartId part) const {
@@ -107,6 +127,7 @@ class MovingRig {
   std::uint32_t flags = 0;                 // of all ticks
   std::function<void()> each;              // after every tick
   std::vector<haptics::PartMotion> moved;  // by others, in every tick
+  std::vector<haptics::Section> sections;
 
  private:
   static haptics::ContactScene modelled(const assets::Scene& scene, double fieldScale) {
@@ -119,6 +140,7 @@ class MovingRig {
 
   assets::Scene scene_;
   haptics::ContactScene contact_;
+  const haptics::ContactScene* present_ = &contact_;
   haptics::TickState state_;
   haptics::DeviceSample sample_;
   std::vector<haptics::PartCommand> commands_;
