@@ -196,11 +196,12 @@ void CandidateRows::addAnsweredRows(std::uint32_t i, const glm::vec3& place, con
     const float left = roomLeft(i, place, *answer, patch);
     const bool point = patch == nullptr && !(sampleAt(i).along > 0.0f);
     if (point) clear_ = std::max(clear_, left);
-    if (isTrusted(i, place, *answer)) return addPlanes(i, place, *answer, patch);
+    const bool outOfReach = patch == nullptr && left > query_.limit;
+    if (!outOfReach && isTrusted(i, place, *answer)) return addPlanes(i, place, *answer, patch);
     room = std::max(room, left);
     // What is said of places that were seen says little of the rest of a sharp edge or of a patch: of an edge
     // it holds as far as an answer is trusted, then the field is read again.
-    if (patch == nullptr && left > query_.limit) clear_ = std::max(clear_, std::min(left, query_.trusted));
+    if (outOfReach) clear_ = std::max(clear_, std::min(left, query_.trusted));
   }
   if (room <= query_.limit) rows_.addBall(query_.armOf(place), room, query_.source(i));
 }
