@@ -47,7 +47,7 @@ bench::LinkEndMaker endsOf(const LinkSetting& setting) {
 }
 
 haptics::LinkParameters parametersOf(const LinkSetting& setting) {
-  haptics::LinkParameters p;
+  haptics::LinkParameters p = bench::believing();
   p.packetPeriod = 1.0 / setting.packetHz;
   p.playOutMargin = setting.margin;
   if (!setting.inUse) p.impedance = p.softImpedance = setting.impedance;

@@ -1,6 +1,7 @@
 #include "client/simulation/simulated_site.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include <glm/geometric.hpp>
@@ -52,7 +53,8 @@ HandSettingsInput SimulatedSite::settings() const {
   constexpr double kUnlimited = 1e9;  // N
   parameters.forceLimit =
       context_.mistake == Mistake::limitsUnknown ? kUnlimited : description_.device.forceMax;
-  settings.believesPeers = context_.mistake == Mistake::limitsUnknown;
+  settings.believesPeers =
+      context_.mistake == Mistake::limitsUnknown || context_.mistake == Mistake::linksLieBelieved;
   parameters.gravity = context_.scene.gravity;
   if (description_.stiffness > 0.0) {
     parameters.stiffness = parameters.graspStiffness = description_.stiffness;
@@ -106,7 +108,8 @@ void SimulatedSite::crash() {
 void SimulatedSite::step(Micros now) {
   tickHand(now);
   if (paused(now) || !connection_) return;
-  if (context_.mistake == Mistake::linksLie && index_ == 1) lieInLinks();
+  const bool lies = context_.mistake == Mistake::linksLie || context_.mistake == Mistake::linksLieBelieved;
+  if (lies && index_ == 1) lieInLinks();
   connection_->step(local(now));
   if (connection_->stage() == ServerConnection::Stage::needScene) connection_->skipTransfer();
   if (connection_->stage() == ServerConnection::Stage::haveScene)
@@ -151,10 +154,15 @@ void SimulatedSite::lieInLinks() {
   constexpr double kForPacket = 4e-3;  // s
   std::vector<haptics::AddressedPacket> packets;
   for (haptics::AddressedPacket packet; exchange_->linksOut.pop(packet);) packets.push_back(packet);
+  const LinkLie& lie = context_.lie;
   for (haptics::AddressedPacket& packet : packets) {
-    lies_ += 1.0;
-    packet.packet.wave.along.x += kForPacket * kWave * lies_;
-    packet.packet.energy += kForPacket * kWave * kWave * lies_;
+    if (packet.packet.time >= lie.from) {
+      const bool turned = std::fmod(2.0 * lie.hertz * packet.packet.time, 2.0) >= 1.0;
+      liedWave_ += kForPacket * (turned ? -kWave : kWave) * lie.along;
+      liedEnergy_ += kForPacket * kWave * kWave;
+    }
+    packet.packet.wave.along += liedWave_;
+    packet.packet.energy += liedEnergy_;
     static_cast<void>(exchange_->linksOut.push(packet));
   }
 }

@@ -33,6 +33,7 @@ struct SimulationContext {
         invariants(script.sites.size(), sync::LeaseRules{}),
         server(scene, network, options.seed, options.mistake),
         mistake(options.mistake),
+        lie(options.lie),
         everOwned(scene.parts.size(), false) {}
 
   const Scenario& scenario;
@@ -42,6 +43,7 @@ struct SimulationContext {
   Invariants invariants;
   SimulatedServer server;
   const Mistake mistake;
+  const LinkLie lie;
   Fingerprint fingerprint;
   std::ofstream trace;          // open where a trace was asked for
   std::vector<bool> everOwned;  // a part each
@@ -104,7 +106,8 @@ class SimulatedSite final : public SimulatedClient {
   std::vector<Pose> lastPoses_;       // of every part, as of the last tick here
   std::vector<Pose> worldFromDrawn_;  // of every part
   std::uint64_t denials_ = 0;
-  double lies_ = 0.0;  // link packets that lied
+  glm::dvec3 liedWave_{0.0};  // sqrt(W) s, what lying link packets have added to the sum of waves
+  double liedEnergy_ = 0.0;   // J
   // By clients and connections of this site that are gone.
   std::uint64_t packetsBefore_ = 0, bytesBefore_ = 0, droppedBefore_ = 0;
   sync::Traffic sentBefore_;

@@ -64,12 +64,21 @@ enum class Mistake : std::uint8_t {
   negativeDamping,   // every device pushes its hand along, with 0.5 N·s/m: a source of energy
   doubtsAtOnce,      // sites doubt at a two hundredth of what is odd
   limitsUnknown,     // ticks do not know what their device can give, nor limit what peers do to it
-  linksLie,          // the link packets of the second site say that it pushes with 30 N
+  linksLie,          // the link packets of the second site lie (LinkLie)
+  linksLieBelieved,  // so, and nobody limits what peers do to them
+};
+
+/// With linksLie: the second site says that it pushes with about 30 N.
+struct LinkLie {
+  glm::dvec3 along{1.0, 0.0, 0.0};  // unit, world axes
+  double from = 0.0;                // s, session clock
+  double hertz = 0.0;               // how often a second the push changes to and fro; 0: never
 };
 
 struct SimulationOptions {
   std::uint64_t seed = 1;
   Mistake mistake = Mistake::none;
+  LinkLie lie;
   std::function<void(double t, std::span<const SimulatedSiteState>)> watch;  // called after each tick
   std::string tracePath;                                                     // empty: no trace
   bool leaderLoad = true;  // runs the scenario again without delay, for the ratio

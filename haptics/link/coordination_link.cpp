@@ -111,7 +111,7 @@ LinkPull CoordinationLink::pull(double now, const Pose& worldFromCentre, const T
   const double bound = std::sqrt(std::max(0.0, 2.0 * (goal.energy + reserve_.energy()) / p_.period));
   const SixAxes wanted = waveOf(goal.force + excess_, v);
   wave_ = shortened(wanted, bound);
-  if (trust_.limits())
+  if (trust_.limits() && trust_.held())
     brake_.replace(waveGain() * (wanted - wave_), v);
   else
     brake_.release();  // no hand here would feel it

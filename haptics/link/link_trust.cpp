@@ -7,7 +7,7 @@ namespace tandem::haptics {
 
 void LinkTrust::advance(double speed, double dt) {
   speed_ = std::max(speed, speed_ * (1.0 - dt / kLately));
-  const double more = (slew_ + kBySpeed * speed_) * dt;
+  const double more = ((held_ ? 1.0 : kNear) * slew_ + kBySpeed * speed_) * dt;
   allowance_ = std::min(std::max(kBurst, more), allowance_ + more);
   ahead_ *= std::max(0.0, 1.0 - dt / kForgetting);
   contradictions_ *= std::max(0.0, 1.0 - dt / kForgetting);
@@ -23,7 +23,8 @@ SixAxes LinkTrust::admit(const SixAxes& said, const SixAxes& own, double dt) {
   const SixAxes step = shortened(said - nearest, allowance_);
   force_ = nearest + step;
   allowance_ -= length(step);
-  ahead_ += dt * length(said - force_);
+  const SixAxes ahead = said - force_;
+  ahead_ += dt * dot(ahead, ahead) / kOfAHand;
   if (ahead_ > kMostAhead) doubt();
   return force_;
 }

@@ -1,14 +1,16 @@
 #pragma once
 
 // How far an end of a link believes its peer. Packets may hold any numbers; forces that hands and parts can
-// cause reach the hand unchanged. It counts only where a hand here holds the part.
+// cause reach the hand unchanged.
 //
 // 1. The force of a link changes by `slew` at most, and kBurst at once, beyond what this replica's own change
 //    of velocity does to it: a peer who goes along with this replica cancels that change, and a peer who
-//    leads it causes it. Where the replica moves, which no lie makes it do soon, it may change faster.
+//    leads it causes it. Where the replica moves, which no lie makes it do soon, it may change faster. A part
+//    that no hand here holds may touch one in a hand: its links change kNear times as fast.
 // 2. A peer whose waves run far ahead of what is let in, or often contradict themselves, is not believed: the
 //    end acts as if the peer were silent, and the others are told who it is. After kDoubt it is heard again,
-//    then after twice as long each time.
+//    then after twice as long each time. More than a hand's force counts more, less counts less: a hand that
+//    strikes is ahead by that much for a moment. A lie of no more than a strong hand's is taken for one.
 // 3. Nothing here makes energy: what counts of a wave is paid for as any wave (CoordinationLink::pay).
 // 4. Nothing here allocates. The thread that ticks uses it.
 
@@ -20,15 +22,16 @@ namespace tandem::haptics {
 
 class LinkTrust {
  public:
-  static constexpr double kMostAhead = 0.55;              // N·s: honest peers, 0.35
+  static constexpr double kMostAhead = 1.0;               // N·s: honest peers, 0.65
   static constexpr double kDoubt = 4.0, kLongest = 64.0;  // s
 
   /// `slew` N/s; 0: the peer is believed.
   explicit LinkTrust(double slew) : slew_(slew) {}
 
-  /// A hand here holds the part: only then is there one to protect.
+  /// Whether a hand here holds the part.
   void setHeld(bool held) { held_ = held; }
-  bool limits() const { return slew_ > 0.0 && held_; }
+  bool held() const { return held_; }
+  bool limits() const { return slew_ > 0.0; }
 
   /// Begins a tick of dt s, in which the replica moves at `speed` m/s.
   void advance(double speed, double dt);
@@ -47,8 +50,10 @@ class LinkTrust {
 
  private:
   static constexpr double kForgetting = 0.3;  // s
+  static constexpr double kOfAHand = 4.0;     // N, ahead: counts as it is
   static constexpr double kMostContradictions = 12.0;
   static constexpr double kBySpeed = 100.0;  // N/s for each m/s
+  static constexpr double kNear = 4.0;       // of `slew`: with less, honest contact is felt later
   static constexpr double kLately = 0.1;     // s
   static constexpr double kBurst = 0.05;     // N: late packets make honest forces jump by less
 
@@ -59,7 +64,7 @@ class LinkTrust {
   SixAxes force_;                // N: what counted in the last tick
   double speed_ = 0.0;           // m/s, the most of it lately
   double allowance_ = 0.0;       // N, by which the force may change at once
-  double ahead_ = 0.0;           // N·s, lately
+  double ahead_ = 0.0;           // N·s, lately, each N by its share of kOfAHand
   double contradictions_ = 0.0;  // lately
   double doubtFor_ = 0.0;        // s
   int times_ = 0;

@@ -13,13 +13,20 @@
 
 namespace tandem::bench {
 
+/// Parameters of a link whose ends believe each other: nobody lies in a bench.
+inline haptics::LinkParameters believing() {
+  haptics::LinkParameters link;
+  link.peerSlew = 0.0;
+  return link;
+}
+
 struct BenchSetup {
   std::vector<BenchSite> sites;
   Network network;
   unsigned seed = 1;
   Block block;
-  haptics::LinkParameters link;  // its packetPeriod is the network's
-  LinkEndMaker makeEnd;          // empty: CoordinationLinkEnd
+  haptics::LinkParameters link = believing();  // its packetPeriod is the network's
+  LinkEndMaker makeEnd;                        // empty: CoordinationLinkEnd
 };
 
 class LinkBench : public HandBench {

@@ -66,6 +66,7 @@ class Collision {
     p.lever = 0.03;
     p.fadeTime = LinkEngagement::kFadeTime;
     p.longestDelay = 0.35;
+    p.peerSlew = 0.0;
     if (network.delay > 0.15) p.softImpedance = 10.0;  // a heavy link, but only while the parts are near
     for (unsigned s = 0; s < 2; ++s)
       for (unsigned part = 0; part < 2; ++part)

@@ -63,7 +63,8 @@ bool prints() { return std::getenv("TANDEM_FULL_SIZE") != nullptr; }
 /// Makes lies of the packets of an honest end.
 class Liar {
  public:
-  Liar(Lie lie, unsigned seed) : lie_(lie), random_(seed) {
+  /// `push` N, of Lie::push.
+  Liar(Lie lie, unsigned seed, double push) : lie_(lie), push_(push), random_(seed) {
     axis_ = glm::normalize(glm::dvec3(in(-1.0, 1.0), in(-1.0, 1.0), in(-1.0, 1.0)));
   }
 
@@ -77,7 +78,7 @@ class Liar {
     const LinkPacket truth = p;
     switch (lie_) {
       case Lie::push:
-        return addForce(p, 30.0 * axis_);
+        return addForce(p, push_ * axis_);
       case Lie::shake:
         return addForce(p, (std::fmod(t, 0.04) < 0.02 ? 10.0 : -10.0) * axis_);
       case Lie::noise:
@@ -148,6 +149,7 @@ class Liar {
   }
 
   Lie lie_;
+  double push_;
   std::mt19937 random_;
   glm::dvec3 axis_, offset_{0.0};
   SixAxes sum_;
@@ -174,6 +176,7 @@ struct Case {
   double delay = 0.025;
   bool limited = true;
   unsigned seed = 1;
+  double push = 30.0;  // N, of Lie::push
 };
 
 SixAxes intentOf(const Case& c, double t, int site) {
@@ -195,7 +198,7 @@ Felt feltOf(const Case& c, std::vector<glm::dvec3>* forces = nullptr) {
   if (!c.limited) setup.link.peerSlew = 0.0;
   LinkedSites sites(setup);
   sites.linkAll();
-  Liar liar(c.lie, c.seed);
+  Liar liar(c.lie, c.seed, c.push);
   sites.tamper = [&](std::size_t site, LinkPacket& packet) { return site != 1 || liar.say(packet); };
   const auto intent = [&](double t, int site) { return intentOf(c, t, site); };
   sites.runTo(kLieAt, intent);
@@ -227,13 +230,14 @@ bool makesForce(Lie lie) {
          lie == Lie::anything;
 }
 
-Felt mostFelt(Lie lie, Doing doing, bool limited) {
+/// `push` N, of Lie::push.
+Felt mostFelt(Lie lie, Doing doing, bool limited, double push = 30.0) {
   Felt most;
   const double delays[] = {0.050, 0.010, 0.025, 0.100};
   const int count = prints() ? 4 : 1, seedCount = prints() ? 2 : 1;
   for (int d = 0; d < count; ++d) {
     for (int seed = 1; seed <= seedCount; ++seed)
-      most.include(feltOf({lie, doing, delays[d], limited, static_cast<unsigned>(seed)}));
+      most.include(feltOf({lie, doing, delays[d], limited, static_cast<unsigned>(seed), push}));
   }
   if (prints())
     std::printf("%-8s %-9s %.3f N in 20 ms, %6.3f N beyond the hand's own, %.4f N m, %.2f mJ\n",
@@ -271,6 +275,19 @@ TEST(HonestPeer, IsFeltNearlyAsIfItWereBelieved) {
       most = std::max(most, glm::length(limited[i] - believed[i]));
     if (prints()) std::printf("honest peer, %s: %.4f N\n", kDoingNames[static_cast<int>(doing)], most);
     EXPECT_LE(most, 0.1) << kDoingNames[static_cast<int>(doing)];
+  }
+}
+
+// A lie of no more than a strong hand could do is taken for one: it draws the hand along, which stretches the
+// hand's own spring, and gives it what such a hand would. Beyond that it changes the force as others do.
+TEST(LyingPeer, ThatSaysWhatAHandCouldDoDrawsAsOne) {
+  const std::vector<double> pushes =
+      prints() ? std::vector<double>{4.0, 6.0, 8.0, 12.0, 20.0} : std::vector<double>{8.0};
+  for (const double push : pushes) {
+    for (const Doing doing : kDoings) {
+      const Felt most = mostFelt(Lie::push, doing, true, push);
+      EXPECT_LE(most.beyond, 0.3) << push << " N, " << kDoingNames[static_cast<int>(doing)];
+    }
   }
 }
 
