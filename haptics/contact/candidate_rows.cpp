@@ -11,11 +11,17 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr std::uint32_t kFreshSteps = 8;  // steps for which the planes of an answer are trusted at least
-constexpr float kShallow = 0.25f;         // trusted errors up to which no answer is worth more than a dip
-constexpr float kBlade = 0.7f;            // rad (some 40 degrees) between the faces of a blade at least
+constexpr double kMostSag = 10.0;  // tolerances by which parts touch beside a sample at most
+constexpr float kShallow = 0.25f;  // trusted errors up to which no answer is worth more than a dip
+constexpr float kBlade = 0.7f;     // rad (some 40 degrees) between the faces of a blade at least
 
 }  // namespace
+
+float CandidateRows::nearLimit(const SideQuery& query) {
+  const double sag =
+      std::min(static_cast<double>(query.from->samples.largestSag()), kMostSag * query.to->field.tolerance());
+  return std::max(query.limit, static_cast<float>(sag));
+}
 
 double CandidateRows::gather() {
   const PartModel &from = *query_.from, &to = *query_.to;
@@ -29,12 +35,12 @@ double CandidateRows::gather() {
     const DueTimes due = clocks_.at(query_.sampled, query_.target, query_, allowed);
     if (!due.nodes.empty()) {
       // What is not visited is further than the reach from as deep as it may be.
-      deepen(allowed.depth - query_.limit);
-      DueSamples(from.samples, to.field, motion, allowed, query_.limit, due, visit).read();
+      deepen(allowed.depth - near_);
+      DueSamples(from.samples, to.field, motion, allowed, near_, due, visit).read();
       return static_cast<double>(deepest_);
     }
   }
-  NearSamples near(from.samples, to.field, motion, query_.limit);
+  NearSamples near(from.samples, to.field, motion, near_);
   while (!near.done()) near.advance(visit);
   deepen(near.passedBy());
   return static_cast<double>(deepest_);
@@ -61,9 +67,10 @@ void CandidateRows::addFittedRows(std::uint32_t i, const glm::vec3& place, const
   clear_ /= 1.0f + static_cast<float>(query_.fit->slope());
 }
 
-void CandidateRows::addPlane(const glm::vec3& normal, const glm::vec3& arm, float gap, RowSource source) {
+void CandidateRows::addPlane(const glm::vec3& normal, const glm::vec3& arm, float gap, RowSource source,
+                             float beside) {
   if (query_.isCut(arm)) return;
-  rows_.addPlane(normal, arm, gap, source);
+  rows_.addPlane(normal, arm, gap, source, beside);
   lowest_ = std::min(lowest_, gap);
 }
 
@@ -125,24 +132,32 @@ void CandidateRows::addSampleRow(std::uint32_t i, const glm::vec3& place, const 
   if (query_.contained) return;
   const ContactSample& sample = sampleAt(i);
   const float least = read.distance - read.error + allowed_;
-  if (read.error > query_.rough) return addAnsweredRows(i, place, nullptr, least - sample.along);
+  const bool smooth = ContactSamples::isSmooth(sample),
+             asItLies = !(allowed_ > 0.0f) && shift_ == glm::dvec3(0.0);
+  // Between samples of a smooth surface the part may touch first.
+  float beside = smooth && asItLies ? query_.from->samples.sag(sample) : 0.0f;
+  if (read.error > query_.rough) return addAnsweredRows(i, place, nullptr, least - sample.along - beside);
   Dip dip;
   if (sample.along > 0.0f) dip = edgeDip(sample, place, read, least - query_.limit);
   if (dip.ofBlade) return addAnsweredRows(i, place, nullptr, least - sample.along);
-  if (allowed_ > 0.0f || shift_ != glm::dvec3(0.0)) dip.depth = 0.0f;
-  if (least - dip.depth > query_.limit) return clearAlong(sample, place, read);
+  if (!asItLies) dip.depth = 0.0f;
+  if (!smooth && least - dip.depth > query_.limit) return clearAlong(sample, place, read);
   if (dip.depth > kShallow * query_.smooth) {
     if (const SampleAnswer* const answer = trustedAnswer(i, place))
       return addPlanes(i, place, *answer, nullptr);
   }
   glm::vec3 normal = read.gradient;
+  // A reading is taken to be too low, so that a contact at rest is not queried in every step.
   float gap = read.distance + read.error;
+  // By what that leaves the sample deep beyond a tolerance, it may touch before its plane does.
+  if (read.error <= query_.smooth && asItLies)
+    beside = std::max(beside, 2.0f * read.error - 0.5f * query_.smooth);
   if (read.error > query_.smooth) {
     if (isAnswered(i, place)) return addAnsweredRows(i, place, nullptr, least - sample.along);
     gap = read.distance - read.error;
     alignToFace(i, read, normal, gap);
   }
-  addPlane(query_.world(normal), query_.armOf(place), gap - dip.depth + allowed_, query_.source(i));
+  addPlane(query_.world(normal), query_.armOf(place), gap - dip.depth + allowed_, query_.source(i), beside);
 }
 
 const SampleAnswer* CandidateRows::trustedAnswer(std::uint32_t sample, const glm::vec3& place) const {
@@ -152,9 +167,7 @@ const SampleAnswer* CandidateRows::trustedAnswer(std::uint32_t sample, const glm
 
 bool CandidateRows::isTrusted(std::uint32_t sample, const glm::vec3& place,
                               const SampleAnswer& answer) const {
-  // The age differs from sample to sample, so that they are not all queried in the same step.
-  return memory_.age(answer) <= kFreshSteps + sample % kFreshSteps &&
-         glm::length(place - answer.place) <= query_.trusted;
+  return memory_.isFresh(answer, sample) && glm::length(place - answer.place) <= query_.trusted;
 }
 
 void CandidateRows::addPlanes(std::uint32_t i, const glm::vec3& place, const SampleAnswer& answer,

@@ -19,11 +19,14 @@ namespace tandem::haptics {
 
 class CandidateRows {
  public:
-  CandidateRows(const SideQuery& query, const SampleMemory& memory, SideClocks& clocks, ContactRows& rows)
+  /// `wide`: samples of smooth surfaces count beyond the reach where their part may touch beside them.
+  CandidateRows(const SideQuery& query, const SampleMemory& memory, SideClocks& clocks, ContactRows& rows,
+                bool wide)
       : query_(query),
         memory_(memory),
         clocks_(clocks),
         rows_(rows),
+        near_(wide ? nearLimit(query) : query.limit),
         turn_(query.toFromSamples.orientation),
         rotation_(glm::mat3_cast(query.toFromSamples.orientation)) {}
 
@@ -37,6 +40,9 @@ class CandidateRows {
 
  private:
   using Reading = DistanceField::Reading;
+
+  /// m, how near samples of smooth surfaces count, because their part may touch beside them first.
+  static float nearLimit(const SideQuery& query);
 
   const ContactSample& sampleAt(std::uint32_t i) const { return query_.from->samples.samples()[i]; }
   void deepen(float depth) { deepest_ = depth > deepest_ ? depth : deepest_; }
@@ -54,7 +60,8 @@ class CandidateRows {
   /// The same of a pair with an interference fit.
   void addFittedRows(std::uint32_t i, const glm::vec3& place, const Reading& read);
   /// Adds a plane, unless sections cut its place away.
-  void addPlane(const glm::vec3& normal, const glm::vec3& arm, float gap, RowSource source);
+  void addPlane(const glm::vec3& normal, const glm::vec3& arm, float gap, RowSource source,
+                float beside = 0.0f);
   /// Adds a plane for each implicit shape of the target.
   void addShapeRows(std::uint32_t i);
   /// Adds the row of a sample that stands for a piece of a round surface.
@@ -98,6 +105,7 @@ class CandidateRows {
   const SampleMemory& memory_;
   SideClocks& clocks_;
   ContactRows& rows_;
+  const float near_;                 // m, how near samples count: the reach or more
   const glm::quat turn_;             // target from samples
   const glm::mat3 rotation_;         // the same
   glm::dvec3 shift_{0.0, 0.0, 0.0};  // m, of the present sample by an interference fit, frame of the target
@@ -125,7 +133,7 @@ bool CandidateRows::readAhead(const Ask& ask, CountedWork& work) {
     addAnyRows(i, place, read);
     return clear_;
   };
-  return DueSamples(from.samples, to.field, motion, allowed, query_.limit, due, visit).readAhead(work);
+  return DueSamples(from.samples, to.field, motion, allowed, near_, due, visit).readAhead(work);
 }
 
 }  // namespace tandem::haptics

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "assets/base/assert.h"
 #include "haptics/base/simd4.h"
@@ -12,6 +13,17 @@ namespace {
 
 constexpr std::size_t kAlignment = 16;
 
+/// Keeps the lowest planes in order; of equal ones, those that come first.
+void insertLow(const ContactRows::LowPlane& plane, ContactRows::LowPlanes& found) {
+  if (found.full()) {
+    if (!(plane.room < found.back().room)) return;
+    found.pop_back();
+  }
+  found.push_back(plane);
+  for (std::size_t k = found.size() - 1; k > 0 && found[k].room < found[k - 1].room; --k)
+    std::swap(found[k], found[k - 1]);
+}
+
 float* aligned(float* p) {
   const auto address = reinterpret_cast<std::uintptr_t>(p);
   return reinterpret_cast<float*>((address + kAlignment - 1) / kAlignment * kAlignment);
@@ -20,7 +32,7 @@ float* aligned(float* p) {
 }  // namespace
 
 ContactRows::ContactRows()
-    : storage_(std::make_unique<float[]>(7 * kMaxPlanes + kAlignment)),
+    : storage_(std::make_unique<float[]>(8 * kMaxPlanes + kAlignment)),
       source_(std::make_unique<RowSource[]>(kMaxPlanes)),
       ball_(std::make_unique<Ball[]>(kMaxBalls)),
       rows_(std::make_unique<ExactRow[]>(kMaxExact)) {
@@ -30,10 +42,12 @@ ContactRows::ContactRows()
     next += kMaxPlanes;
   }
   gap_ = next;
-  ASSERT(next + kMaxPlanes <= storage_.get() + 7 * kMaxPlanes + kAlignment);
+  beside_ = next + kMaxPlanes;
+  ASSERT(beside_ + kMaxPlanes <= storage_.get() + 8 * kMaxPlanes + kAlignment);
 }
 
-void ContactRows::addPlane(const glm::vec3& normal, const glm::vec3& arm, float gap, RowSource source) {
+void ContactRows::addPlane(const glm::vec3& normal, const glm::vec3& arm, float gap, RowSource source,
+                           float beside) {
   if (planes_ == kMaxPlanes) {
     ++dropped_;
     return;
@@ -44,6 +58,8 @@ void ContactRows::addPlane(const glm::vec3& normal, const glm::vec3& arm, float 
     wrench_[k + 3][planes_] = moment[k];
   }
   gap_[planes_] = gap;
+  beside_[planes_] = beside;
+  anyBeside_ = anyBeside_ || beside > 0.0f;
   source_[planes_++] = source;
 }
 
@@ -78,6 +94,7 @@ bool ContactRows::beginPair() {
   // Four planes are read at once, so the planes of a pair begin at a multiple of four.
   while (planes_ % 4 != 0) {
     for (float* const column : wrench_) column[planes_] = 0.0f;
+    beside_[planes_] = 0.0f;
     gap_[planes_++] = 1e30f;
   }
   firstPlane_[static_cast<std::size_t>(pairs_++)] = planes_;
@@ -131,6 +148,29 @@ int ContactRows::worstPlane(PairMotions u, double limit) const {
     if (found >= 0) worst = found;
   }
   return worst;
+}
+
+void ContactRows::lowestBeside(PairMotions u, LowPlanes& found) const {
+  found.clear();
+  if (!anyBeside_) return;
+  for (int pair = 0; pair < pairs_; ++pair) {
+    const auto at = static_cast<std::size_t>(pair);
+    const glm::vec3 t(u[at].linear), w(u[at].angular);
+    const Float4 c[6] = {Float4(t.x), Float4(t.y), Float4(t.z), Float4(w.x), Float4(w.y), Float4(w.z)};
+    const int end = endOf(pair);
+    for (int i = firstPlane_[at]; i < end; i += 4) {
+      const Float4 beside = Float4::load(beside_ + i);
+      Float4 room = Float4::load(gap_ + i);
+      for (int k = 0; k < 6; ++k) room = room + Float4::load(wrench_[k] + i) * c[k];
+      const int mask = lessMask(room, found.full() ? min(beside, Float4(found.back().room)) : beside);
+      if (mask == 0) continue;
+      alignas(16) float lane[4];
+      room.store(lane);
+      for (int k = 0; k < 4 && i + k < end; ++k) {
+        if ((mask >> k & 1) != 0) insertLow({i + k, lane[k]}, found);
+      }
+    }
+  }
 }
 
 int ContactRows::nextBall(PairMotions u, int from) const {

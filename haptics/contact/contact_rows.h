@@ -25,6 +25,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
+#include "haptics/base/fixed_vector.h"
+
 namespace tandem::haptics {
 
 /// A displacement of a body: of its reference point in m, and a rotation vector in rad, world axes.
@@ -81,12 +83,14 @@ class ContactRows {
 
   void clear() {
     planes_ = balls_ = exact_ = dropped_ = pairs_ = 0;
-    anySoft_ = false;
+    anySoft_ = anyBeside_ = false;
     squeezed_.reset();
   }
   /// Planes and balls from here on belong to the next pair: 0, 1, ... False if there is no room for it.
   bool beginPair();
-  void addPlane(const glm::vec3& normal, const glm::vec3& arm, float gap, RowSource source);
+  /// `beside`: m by which the part may touch beside the place of the plane before that place does.
+  void addPlane(const glm::vec3& normal, const glm::vec3& arm, float gap, RowSource source,
+                float beside = 0.0f);
   void addBall(const glm::vec3& arm, float room, RowSource source);
   /// Returns its index, or -1 if there is no room.
   int addExact(const ExactRow& row);
@@ -98,6 +102,15 @@ class ContactRows {
 
   /// The plane that u violates most, by more than `limit` m; -1 if none.
   int worstPlane(PairMotions u, double limit) const;
+  static constexpr std::size_t kMaxBeside = 16;
+  /// A plane that u obeys, and what it leaves, m.
+  struct LowPlane {
+    int plane = -1;
+    float room = 0.0f;
+  };
+  using LowPlanes = FixedVector<LowPlane, kMaxBeside>;
+  /// The planes, lowest first, beside which the part may touch although u obeys them.
+  void lowestBeside(PairMotions u, LowPlanes& found) const;
   /// The first ball from `from` on that u leaves; -1 if none.
   int nextBall(PairMotions u, int from) const;
   /// The rigid exact row from `from` on that u violates most, by more than `limit` m; -1 if none.
@@ -108,6 +121,8 @@ class ContactRows {
 
   /// Removes a plane or a ball that has become an exact row, or that constrains nothing.
   void dropPlane(int i) { gap_[i] = 1e30f; }
+  /// From now on the part does not touch beside the plane.
+  void clearBeside(int i) { beside_[i] = 0.0f; }
   void dropBall(int i) { ball_[i].room = 1e30f; }
   void dropExact(int i) {
     rows_[i].gap = 1e30;
@@ -115,6 +130,7 @@ class ContactRows {
   }
 
   RowSource planeSource(int i) const { return source_[i]; }
+  glm::vec3 planeNormal(int i) const { return {wrench_[0][i], wrench_[1][i], wrench_[2][i]}; }
   RowSource ballSource(int i) const { return ball_[i].source; }
   const ExactRow& exact(int i) const { return rows_[i]; }
   int planes() const { return planes_; }
@@ -137,15 +153,16 @@ class ContactRows {
     return pair + 1 < pairs_ ? firstPlane_[static_cast<std::size_t>(pair) + 1] : planes_;
   }
 
-  std::unique_ptr<float[]> storage_;  // wrench_ and gap_ in one block
+  std::unique_ptr<float[]> storage_;  // wrench_, gap_ and beside_ in one block
   float* wrench_[6];                  // normal, arm x normal
   float* gap_;
+  float* beside_;
   std::unique_ptr<RowSource[]> source_;
   std::unique_ptr<Ball[]> ball_;
   std::unique_ptr<ExactRow[]> rows_;
   std::array<int, kMaxPairs> firstPlane_{};  // of a pair; a multiple of four
   int planes_ = 0, balls_ = 0, exact_ = 0, dropped_ = 0, pairs_ = 0;
-  bool anySoft_ = false;
+  bool anySoft_ = false, anyBeside_ = false;
   std::bitset<kMaxPairs> squeezed_;
 };
 

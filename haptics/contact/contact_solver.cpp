@@ -126,6 +126,23 @@ bool ContactSolver::refineViolated(ContactRows& rows, RowRefiner& refiner) {
     refiner.refine(source, u[source.pair], rows);
     if (rows.worstExact(u, tolerance_, first) >= 0) return true;
   }
+  return refineBeside(rows, refiner);
+}
+
+bool ContactSolver::refineBeside(ContactRows& rows, RowRefiner& refiner) {
+  const PairMotions u = space_.pairMotions();
+  ContactRows::LowPlanes lowest;
+  rows.lowestBeside(u, lowest);
+  for (const ContactRows::LowPlane& low : lowest) {
+    if (iterations_ >= maxIterations_) break;
+    const RowSource source = rows.planeSource(low.plane);
+    if (!refiner.mayTouchBeside(source, rows.planeNormal(low.plane), low.room, u[source.pair])) continue;
+    ++iterations_;
+    rows.dropPlane(low.plane);
+    const int first = rows.exactRows();
+    refiner.refine(source, u[source.pair], rows);
+    if (rows.worstExact(u, tolerance_, first) >= 0) return true;
+  }
   return false;
 }
 

@@ -68,6 +68,8 @@ class ContactSolver {
   void obeyRows(ContactRows& rows, RowRefiner& refiner);
   /// Makes candidates exact until an exact row is violated; false if no candidate is violated.
   bool refineViolated(ContactRows& rows, RowRefiner& refiner);
+  /// The same for planes beside which a part may touch.
+  bool refineBeside(ContactRows& rows, RowRefiner& refiner);
   /// Makes one exact row active, or finds that it contradicts those that are.
   void enforce(int row, ContactRows& rows);
   ActiveSet::Row activeRowOf(const ExactRow& row, int index) const;

@@ -41,7 +41,7 @@ void ContactStep::move(std::span<MovingPart* const> moving, const Tick& tick, in
     island_.place();
     reach_ = std::min(longest + island_.push(), shortReach(island_) + kGrowth * lastMotion_);
     refiner_.beginStep(tick.dt, reach_, tick.effort);
-    gather(reach_, tick.dt);
+    gather(reach_, tick.dt, steps == 0);
     joints_.addRows(island_, tick.dt, rows_);
     addAxisRows(island_, tick.dt, rows_);
     overlaps_.endStep();
@@ -59,7 +59,7 @@ void ContactStep::move(std::span<MovingPart* const> moving, const Tick& tick, in
   if (steps > 0) noteTouches(tick);
 }
 
-void ContactStep::gather(double reach, double dt) {
+void ContactStep::gather(double reach, double dt, bool isFirst) {
   rows_.clear();
   overlaps_.beginStep();
   for (int i = 0; i < island_.pairCount(); ++i) {
@@ -70,7 +70,7 @@ void ContactStep::gather(double reach, double dt) {
     const double closing = pair.second >= 0 ? 2.0 * reach : reach;
     for (const std::uint16_t side : {std::uint16_t{0}, std::uint16_t{1}}) {
       const SideQuery query(island_, overlaps_, static_cast<std::uint16_t>(i), side, closing);
-      overlaps_.noteDepth(i, CandidateRows(query, refiner_.memory(), clocks_, rows_).gather());
+      overlaps_.noteDepth(i, CandidateRows(query, refiner_.memory(), clocks_, rows_, isFirst).gather());
     }
     if (overlaps_.contained(i)) rows_.addExact(overlaps_.exitRow(i, dt));
   }

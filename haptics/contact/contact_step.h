@@ -61,7 +61,7 @@ class ContactStep {
 
  private:
   /// Adds the candidate rows of all pairs that could touch within `reach` m.
-  void gather(double reach, double dt);
+  void gather(double reach, double dt, bool isFirst);
   /// Adds the exact rows of the cached contacts, so that what rests stays at rest. They are queried for the
   /// remaining displacement of the bodies.
   void refineCached();

@@ -48,6 +48,10 @@ class Descent {
         least_(height_.height) {}
 
   Seat run();
+  /// m over the target, of a place of the sample's part.
+  static double heightOf(const SampledModels& models, const ContactSample& sample, const glm::dvec3& place) {
+    return Descent(models, sample, 0.0, glm::dvec3(0.0)).heightAt(place).height;
+  }
   /// The place at an edge near by that is lowest over the plane of `up`, which is in the frame of the target.
   static glm::dvec3 lowestPlace(const SampledModels& models, const ContactSample& sample, double slack,
                                 const glm::dvec3& up) {
@@ -342,8 +346,13 @@ bool isLevel(const SampledModels& models, const ContactSample& sample, const Lev
   if (smooth) {
     const glm::dvec3 lowest =
         Descent::lowestPlace(models, sample, kLowerBy * bounds.allowance, glm::dvec3(here.gradient));
-    return readAt(models, lowest).distance >= here.distance - static_cast<float>(bounds.allowance) &&
-           isLevelUpTo(models, here, lowest - sample.point, lowest, bounds);
+    const double least = bounds.height - bounds.allowance;
+    const DistanceField::Reading there = readAt(models, lowest);
+    if (static_cast<double>(there.distance) < least) return false;
+    if (static_cast<double>(there.distance - there.error) < least &&
+        Descent::heightOf(models, sample, lowest) < least)
+      return false;
+    return isLevelUpTo(models, here, lowest - sample.point, lowest, bounds);
   }
   const auto isLevelAlong = [&](const glm::dvec3& way) {
     return isLevelUpTo(models, here, way, sample.point + way, bounds);

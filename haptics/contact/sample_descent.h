@@ -34,6 +34,7 @@ struct DescentBounds {
 
 /// When a sample stands for all places near it.
 struct LevelBounds {
+  double height = 0.0;     // m, of the sample over the target
   double allowance = 0.0;  // m that such a place may be deeper
   double trusted = 0.0;    // m, error of the field up to which it is believed
 };

@@ -52,6 +52,11 @@ class SampleMemory {
   std::uint32_t step() const { return step_; }
   /// Steps since the answer was found.
   std::uint32_t age(const SampleAnswer& answer) const { return step_ - answer.step; }
+  /// Whether the planes of an answer of this sample are recent enough to be trusted. The age differs from
+  /// sample to sample, so that they are not all queried in the same step.
+  bool isFresh(const SampleAnswer& answer, std::uint32_t sample) const {
+    return age(answer) <= kFreshSteps + sample % kFreshSteps;
+  }
 
   /// The last answer of a sample before a target; null if there is none.
   const SampleAnswer* find(PartId part, std::uint32_t sample, PartId target) const;
@@ -59,6 +64,8 @@ class SampleMemory {
   SampleAnswer& slot(PartId part, std::uint32_t sample, PartId target);
 
  private:
+  static constexpr std::uint32_t kFreshSteps = 8;
+
   std::vector<std::vector<SampleAnswer>> answers_;  // one list a part: kTargets for each of its samples
   std::uint32_t step_ = 0;
 };

@@ -15,6 +15,11 @@ constexpr double kDeeperBy = 0.1;        // tolerances by which a deeper place n
 constexpr double kAllowance = 0.5;       // tolerances that a place near a sample may be deeper
 constexpr double kTurned = 0.25;         // tolerances by which the seat of a sample may be off
 constexpr int kMaxDescents = 8;          // in a step; samples beyond it are measured where they are
+constexpr int kMaxBeside = 3;            // in a step; samples queried because of what may be beside them
+constexpr float kEnters = 0.25f;         // tolerances that a sample may be beyond a plane of its last answer
+constexpr float kSameSeat = 0.25f;       // extents that a sample goes while its last seat holds
+constexpr double kNearSeat = 0.125;      // extents that a sample goes until its last seat is looked for anew
+constexpr double kTurnedNear = 1.0;      // tolerances by which that extent may turn meanwhile
 constexpr double kLong = 10.0;           // tolerances that a sample goes in a long step
 constexpr std::size_t kMaxNormals = 16;  // of one sample
 constexpr double kToleranceAcross =
@@ -62,7 +67,7 @@ void SampleRefiner::beginAhead(double dt, double reach, const ContactEffort& eff
   reach_ = reach;
   exact_ = effort.exact;
   descend_ = effort.descend;
-  queries_ = descents_ = 0;
+  queries_ = descents_ = besideQueries_ = 0;
 }
 
 void SampleRefiner::refine(RowSource source, const Displacement& u, ContactRows& rows) {
@@ -93,17 +98,63 @@ glm::dvec3 SampleRefiner::surfaceMotion(const ExactRow& row) const {
   return dt_ * velocityAt(world_.pose(pair.other), world_.twist(pair.other), point);
 }
 
-SampleQuery SampleRefiner::sampleQueryFor(const SideQuery& query, const ContactSample& sample,
-                                          const Displacement& u) const {
+glm::dvec3 SampleRefiner::motionAt(const SideQuery& query, const glm::dvec3& point,
+                                   const Displacement& u) const {
   const ContactBody& first = query.first();
   const double length = first.motion(u), share = length > reach_ ? reach_ / length : 1.0;
+  const glm::dvec3 motion = share * u.at(transformPoint(query.worldFromTo, point) - first.centre);
+  return glm::conjugate(query.worldFromTo.orientation) * (query.ofFirst() ? motion : -motion);
+}
+
+bool SampleRefiner::mayTouchBeside(RowSource source, const glm::vec3& normal, float room,
+                                   const Displacement& u) {
+  if (!exact_ || !TICK_ASSERT(fault_, source.pair < island_.pairCount())) return false;
+  const SideQuery query(island_, overlaps_, source.pair, source.side, reach_);
+  const ContactSample& sample = query.from->samples.samples()[source.sample];
+  const DistanceField& field = query.to->field;
+  const glm::dvec3 point = transformPoint(query.toFromSamples, sample.point);
+  const glm::vec3 place(point - field.origin());
+  const SampleAnswer* const answer = memory_.find(query.sampled, source.sample, query.target);
+  if (answer != nullptr && memory_.isFresh(*answer, source.sample) &&
+      glm::length(place - answer->place) <= query.trusted)
+    return entersPlanes(query, *answer, place, glm::vec3(motionAt(query, point, u)));
+  const DistanceField::Reading here = field.read(place);
+  if (room < 2.0f * here.error - static_cast<float>(field.tolerance())) return besideQueries_++ < kMaxBeside;
+  if (!descend_ || !ContactSamples::isSmooth(sample)) return false;
+  if (const KnownSeat* const known = recallNear(query, sample)) return entersAt(query, *known, u);
+  const glm::dvec3 up = glm::conjugate(query.worldFromTo.orientation) * glm::dvec3(query.sign * normal),
+                   ownUp = glm::conjugate(query.toFromSamples.orientation) * up;
+  if (static_cast<double>(room) > smoothDip(query.from->samples, sample, ownUp)) return false;
+  return besideQueries_++ < kMaxBeside;
+}
+
+bool SampleRefiner::entersPlanes(const SideQuery& query, const SampleAnswer& answer, const glm::vec3& place,
+                                 const glm::vec3& motion) {
+  const glm::quat turn(query.toFromSamples.orientation);
+  const float allowed = kEnters * static_cast<float>(query.to->field.tolerance());
+  for (std::size_t k = 0; k < static_cast<std::size_t>(answer.planes); ++k) {
+    const AnsweredPlane& plane = answer.plane[k];
+    if (glm::dot(plane.normal, place + turn * plane.aside + motion) - plane.height < -allowed) return true;
+  }
+  return false;
+}
+
+bool SampleRefiner::entersAt(const SideQuery& query, const KnownSeat& known, const Displacement& u) const {
+  if (known.edge == assets::kNone) return false;
+  const DistanceField& field = query.to->field;
+  const glm::dvec3 seat = transformPoint(query.toFromSamples, known.point);
+  const DistanceField::Reading read = field.read(glm::vec3(seat + motionAt(query, seat, u) - field.origin()));
+  return read.distance + std::min(read.error, static_cast<float>(field.tolerance()) - read.error) < 0.0f;
+}
+
+SampleQuery SampleRefiner::sampleQueryFor(const SideQuery& query, const ContactSample& sample,
+                                          const Displacement& u) const {
   const PartModel &from = *query.from, &to = *query.to;
   SampleQuery sampleQuery;
   const glm::dvec3 shift = query.fitShift(sample);
   sampleQuery.shifted = shift != glm::dvec3(0.0);
   sampleQuery.point = transformPoint(query.toFromSamples, sample.point) + shift;
-  const glm::dvec3 motion = share * u.at(transformPoint(query.worldFromTo, sampleQuery.point) - first.centre);
-  sampleQuery.motion = glm::conjugate(query.worldFromTo.orientation) * (query.ofFirst() ? motion : -motion);
+  sampleQuery.motion = motionAt(query, sampleQuery.point, u);
   sampleQuery.slack = 0.5 * to.field.tolerance();
   sampleQuery.range = SideQuery::kTrustedShare * from.samples.spacing() +
                       (query.contactPair().second >= 0 ? 2.0 : 1.0) * reach_;
@@ -182,9 +233,13 @@ Seat SampleRefiner::seatOf(const SideQuery& query, const ContactSample& sample,
                            const SampleQuery& sampleQuery, std::uint32_t hint, const TouchingFeature& found) {
   const PartModel &from = *query.from, &to = *query.to;
   const double tolerance = to.field.tolerance(), motion = glm::length(sampleQuery.motion);
-  const LevelBounds level{kAllowance * tolerance, static_cast<double>(query.smooth)};
+  const LevelBounds level{sampleQuery.outside ? found.distance : -found.distance, kAllowance * tolerance,
+                          static_cast<double>(query.smooth)};
   const glm::dvec3& up = found.planes[0].normal;
-  if (isLevel(query, sample, level, up, found.count == 1)) return {};
+  if (isLevel(query, sample, level, up, found.count == 1)) {
+    if (ContactSamples::isSmooth(sample)) note(query, sample, sampleQuery, up, {}, true);
+    return {};
+  }
   if (const KnownSeat* const known = recall(query, sample, sampleQuery, up)) return seatAt(query, *known);
   if (descents_ >= kMaxDescents) {
     Seat unseen;
@@ -196,7 +251,7 @@ Seat SampleRefiner::seatOf(const SideQuery& query, const ContactSample& sample,
   Seat seat = deepestNear(query, sample, bounds, hint);
   const bool looked = seat.least <= bounds.range;
   if (looked && (seat.edge == assets::kNone || ContactSamples::isSmooth(sample)))
-    note(query, sample, sampleQuery, up, seat);
+    note(query, sample, sampleQuery, up, seat, false);
   // In a long step the deepest place may be another one at its end.
   if (seat.edge == assets::kNone && motion > kLong * tolerance) {
     SampledModels ahead = query;
@@ -209,23 +264,38 @@ Seat SampleRefiner::seatOf(const SideQuery& query, const ContactSample& sample,
   return seat;
 }
 
+const KnownSeat* SampleRefiner::recallNear(const SideQuery& query, const ContactSample& sample) const {
+  const PartModel& from = *query.from;
+  const KnownSeat* const known =
+      seats_.find(query.sampled, indexOf(from, sample), query.target, from.features.get());
+  if (known == nullptr) return nullptr;
+  const double extent = from.samples.extent(sample);
+  const glm::vec3 place(transformPoint(query.toFromSamples, sample.point) - query.to->field.origin());
+  const glm::quat now(query.toFromSamples.orientation),
+      near = glm::dot(known->orientation, now) < 0.0f ? -now : now;
+  const double turned = 2.0 * extent * static_cast<double>(glm::length(near - known->orientation));
+  const bool same = static_cast<double>(glm::length(place - known->place)) <= kNearSeat * extent &&
+                    turned <= kTurnedNear * query.to->field.tolerance();
+  return same ? known : nullptr;
+}
+
 const KnownSeat* SampleRefiner::recall(const SideQuery& query, const ContactSample& sample,
                                        const SampleQuery& sampleQuery, const glm::dvec3& up) const {
   const PartModel& from = *query.from;
   const KnownSeat* const known =
       seats_.find(query.sampled, indexOf(from, sample), query.target, from.features.get());
-  if (known == nullptr) return nullptr;
+  if (known == nullptr || known->level) return nullptr;
   const glm::vec3 place(sampleQuery.point - query.to->field.origin()),
       ownUp(glm::conjugate(query.toFromSamples.orientation) * up);
   const auto extent = static_cast<float>(from.samples.extent(sample)),
              turned = static_cast<float>(kTurned * query.to->field.tolerance());
-  const bool same =
-      glm::length(place - known->place) <= extent && extent * glm::length(ownUp - known->up) <= turned;
+  const bool same = glm::length(place - known->place) <= kSameSeat * extent &&
+                    extent * glm::length(ownUp - known->up) <= turned;
   return same ? known : nullptr;
 }
 
 void SampleRefiner::note(const SideQuery& query, const ContactSample& sample, const SampleQuery& sampleQuery,
-                         const glm::dvec3& up, const Seat& seat) {
+                         const glm::dvec3& up, const Seat& seat, bool level) {
   const Pose& pose = query.toFromSamples;
   KnownSeat known;
   known.sampled = query.sampled;
@@ -233,6 +303,8 @@ void SampleRefiner::note(const SideQuery& query, const ContactSample& sample, co
   known.sample = indexOf(*query.from, sample);
   known.features = query.from->features.get();
   known.edge = seat.edge;
+  known.level = level;
+  known.orientation = glm::quat(pose.orientation);
   known.along = static_cast<float>(seat.along);
   known.point = transformPoint(inverse(pose), seat.point);
   known.up = glm::vec3(glm::conjugate(pose.orientation) * up);

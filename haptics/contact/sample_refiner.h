@@ -32,6 +32,9 @@ class SampleRefiner final : public RowRefiner {
   void beginAhead(double dt, double reach, const ContactEffort& effort);
 
   void refine(RowSource source, const Displacement& u, ContactRows& rows) override;
+  /// Whether the field leaves open that the sample is deep, or its smooth surface may be deeper near by. What
+  /// is known of it by its last answer or descent decides where that still holds.
+  bool mayTouchBeside(RowSource source, const glm::vec3& normal, float room, const Displacement& u) override;
   glm::dvec3 surfaceMotion(const ExactRow& row) const override;
 
   const SampleMemory& memory() const { return memory_; }
@@ -43,6 +46,8 @@ class SampleRefiner final : public RowRefiner {
   /// first part.
   SampleQuery sampleQueryFor(const SideQuery& query, const ContactSample& sample,
                              const Displacement& u) const;
+  /// m, frame of the target: how far a place (m, the same) is expected to go.
+  glm::dvec3 motionAt(const SideQuery& query, const glm::dvec3& point, const Displacement& u) const;
   /// Sets what the field knows of the place of a query.
   void readField(const SideQuery& query, SampleQuery& sampleQuery) const;
   /// False if nothing constrains the sample.
@@ -59,10 +64,18 @@ class SampleRefiner final : public RowRefiner {
               std::uint32_t hint, const TouchingFeature& found);
   /// The sample's last seat while the target, in the direction `up`, touches it from the same side; null
   /// otherwise.
+  /// Whether a sample at `place` (m, relative to the origin of the target's field) goes by `motion` through a
+  /// plane of its last answer.
+  static bool entersPlanes(const SideQuery& query, const SampleAnswer& answer, const glm::vec3& place,
+                           const glm::vec3& motion);
+  /// Whether a seat is inside the target after u, by more than its field leaves open.
+  bool entersAt(const SideQuery& query, const KnownSeat& known, const Displacement& u) const;
+  /// The sample's last seat while its part has moved little before the target; null otherwise.
+  const KnownSeat* recallNear(const SideQuery& query, const ContactSample& sample) const;
   const KnownSeat* recall(const SideQuery& query, const ContactSample& sample, const SampleQuery& sampleQuery,
                           const glm::dvec3& up) const;
   void note(const SideQuery& query, const ContactSample& sample, const SampleQuery& sampleQuery,
-            const glm::dvec3& up, const Seat& seat);
+            const glm::dvec3& up, const Seat& seat, bool level);
   void remember(const SideQuery& query, std::uint32_t sample, const SampleQuery& sampleQuery,
                 const TouchingFeature& found);
   void addRows(const SideQuery& query, const ContactSample& sample, const TouchingFeature& found,
@@ -77,7 +90,7 @@ class SampleRefiner final : public RowRefiner {
   double reach_ = 0.0;  // m
   bool exact_ = true, descend_ = true;
   SeatMemory seats_;
-  int queries_ = 0, descents_ = 0;  // of the present step
+  int queries_ = 0, descents_ = 0, besideQueries_ = 0;  // of the present step
 };
 
 }  // namespace tandem::haptics

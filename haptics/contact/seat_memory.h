@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <memory>
 
+#include <glm/gtc/quaternion.hpp>
 #include <glm/vec3.hpp>
 
 #include "haptics/scene/contact_world.h"
@@ -21,11 +22,13 @@ namespace tandem::haptics {
 struct KnownSeat {
   PartId sampled = kNoPart, target = kNoPart;
   std::uint32_t sample = 0;
-  const PartFeatures* features = nullptr;  // of the part that is sampled
-  std::uint32_t edge = assets::kNone;      // kNone: the sample itself was deepest
-  float along = 0.0f;                      // m that the edge goes on at least on both sides
-  glm::dvec3 point{0.0, 0.0, 0.0};         // m, on that edge
-  glm::vec3 up{0.0f, 0.0f, 0.0f};          // unit, from the target to the sample
+  const PartFeatures* features = nullptr;         // of the part that is sampled
+  std::uint32_t edge = assets::kNone;             // kNone: the sample itself was deepest
+  bool level = false;                             // no place near the sample was deeper, by the field alone
+  float along = 0.0f;                             // m that the edge goes on at least on both sides
+  glm::dvec3 point{0.0, 0.0, 0.0};                // m, on that edge
+  glm::vec3 up{0.0f, 0.0f, 0.0f};                 // unit, from the target to the sample
+  glm::quat orientation{1.0f, 0.0f, 0.0f, 0.0f};  // of its part then, frame of the target
   glm::vec3 place{0.0f, 0.0f, 0.0f};  // m, where the sample was, relative to the origin of the target's field
 };
 

@@ -21,6 +21,7 @@ ContactSamples::ContactSamples(const Options& options, const assets::Mesh& mesh)
   spacing_ = options.spacing > 0.0 ? options.spacing : usualSpacing(mesh);
   smoothSpacing_ = options.smoothSpacing > 0.0 ? options.smoothSpacing : 1.25 * spacing_;
   ASSERT(!(spacing_ < 0.0) && !(smoothSpacing_ < 0.0));
+  sagOfTurn_ = roundUp(kSag * smoothSpacing_);
 }
 
 ContactSamples::ContactSamples(const assets::Mesh& mesh, const MeshEdges& edges, const Options& options)
@@ -46,8 +47,10 @@ void ContactSamples::sort() {
   for (const std::uint32_t i : order) sorted.push_back(set_.samples[i]);
   set_.samples = std::move(sorted);
   points_.reserve(set_.samples.size());
-  for (const ContactSample& sample : set_.samples)
+  for (const ContactSample& sample : set_.samples) {
     points_.emplace_back(glm::vec3(sample.point), sample.along);
+    if (isSmooth(sample)) largestSag_ = std::max(largestSag_, sag(sample));
+  }
 }
 
 std::uint32_t ContactSamples::build(std::vector<std::uint32_t>& order, std::uint32_t begin,

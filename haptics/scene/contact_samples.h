@@ -59,6 +59,8 @@ class ContactSamples {
   static constexpr std::uint32_t kMaxInLeaf = 16;
   /// Spacings of the samples of a smooth surface that each of them stands for.
   static constexpr double kDescent = 1.5;
+  /// Share of smoothDip() by which a part is nearer to another one than at its nearest sample at most.
+  static constexpr double kSag = 0.5;
 
   /// 1/64 of the mesh's diagonal, m. A straight edge needs no finer spacing, because a sample represents its
   /// piece of the edge; the error on a smooth surface is the sag over that length.
@@ -96,6 +98,10 @@ class ContactSamples {
   double smoothDip(const ContactSample& sample) const {
     return static_cast<double>(sample.turn) * smoothSpacing_;
   }
+  /// The same of the sample that is nearest to the other part.
+  float sag(const ContactSample& sample) const { return sample.turn * sagOfTurn_; }
+  /// m, the largest sag of all samples of smooth surfaces.
+  float largestSag() const { return largestSag_; }
   /// The same of what any sample of a mesh stands for: along a sharp edge at most its whole piece.
   double dip(const ContactSample& sample) const {
     return isSmooth(sample) ? smoothDip(sample) : static_cast<double>(sample.along);
@@ -115,6 +121,7 @@ class ContactSamples {
   std::uint32_t build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end);
 
   double spacing_ = 0.0, smoothSpacing_ = 0.0;
+  float sagOfTurn_ = 0.0f, largestSag_ = 0.0f;  // m a unit of ContactSample::turn; m
   SampleSet set_;
   std::vector<glm::vec4> points_;
   std::vector<Node> nodes_;
