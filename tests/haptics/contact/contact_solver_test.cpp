@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -48,9 +49,15 @@ class KnownRows final : public haptics::RowRefiner {
     ++queries;
     rows.addExact(exact[source.sample]);
   }
+  bool mayTouchBeside(RowSource, const glm::vec3&, float, const Displacement&) override {
+    ++judged;
+    return looksBeside;
+  }
   glm::dvec3 surfaceMotion(const ExactRow&) const override { return ground; }
 
   std::vector<ExactRow> exact;
+  bool looksBeside = false;
+  int judged = 0;
   glm::dvec3 ground{0.0, 0.0, 0.0};
   int queries = 0;
 };
@@ -142,6 +149,26 @@ TEST(ContactSolver, QueriesOnlyWhatIsViolated) {
   solveOne(solver, goal, kTolerance, rows, known);
   EXPECT_LE(known.queries, 3);
   EXPECT_GE(known.queries, 1);
+}
+
+TEST(ContactSolver, ObeysRowsBesideThePlanesThatItObeys) {
+  Numbers number(5);
+  StepGoal goal = randomGoal(number);
+  goal.free = {{0.0, 0.0, -1e-4}, {0.0, 0.0, 0.0}};
+  for (const bool looks : {false, true}) {
+    KnownRows known;
+    known.looksBeside = looks;
+    ContactRows rows;
+    rows.beginPair();
+    // The part is 50 um deeper beside the place of its plane, which is out of reach.
+    known.exact.push_back({{0.0, 0.0, 1.0}, {0.0, 0.0, -0.01}, 7e-5, 0.0, 0.0, {0, 0, 0}});
+    rows.addPlane({0.0f, 0.0f, 1.0f}, {0.001f, 0.0f, -0.01f}, 1.2e-4f, {0, 0, 0}, 6e-5f);
+    ContactSolver solver;
+    const Displacement u = solveOne(solver, goal, kTolerance, rows, known);
+    EXPECT_GE(known.judged, 1);
+    EXPECT_EQ(known.queries, looks ? 1 : 0);
+    EXPECT_NEAR(-u.at(known.exact[0].arm).z, looks ? 7e-5 : 1e-4, 1e-9);
+  }
 }
 
 /// A block of 1 kg with its centre 1 cm above the ground, on four feet.
@@ -271,6 +298,38 @@ TEST(ContactRows, TheSafeShareOfAMotionStopsAtExactRowsToo) {
   rows.addExact(row);
   EXPECT_EQ(share(-4e-5), 0.0);
   EXPECT_EQ(share(4e-5), 1.0);
+}
+
+TEST(ContactRows, TellsTheLowestPlanesBesideWhichAPartMayTouch) {
+  Numbers number(6);
+  for (int count : {0, 1, 7, 100, 1000}) {
+    ContactRows rows;
+    struct Plane {
+      glm::vec3 normal, arm;
+      float gap, beside;
+    };
+    std::vector<Plane> planes;
+    const Displacement u{{1e-4, -2e-4, 3e-5}, {2e-3, 0.0, -1e-3}};
+    rows.beginPair();
+    for (int i = 0; i < count; ++i) {
+      const glm::vec3 normal = glm::normalize(glm::vec3(number(), number(), number()) + 0.01f),
+                      arm = 0.02f * glm::vec3(number(), number(), number());
+      planes.push_back({normal, arm, 1e-3f * static_cast<float>(number() + 1.0), i % 3 == 0 ? 1e-3f : 0.0f});
+      rows.addPlane(normal, arm, planes.back().gap, {0, 0, static_cast<std::uint32_t>(i)},
+                    planes.back().beside);
+    }
+    std::vector<float> left;
+    for (const Plane& p : planes) {
+      const double moved = glm::dot(glm::dvec3(p.normal), u.at(glm::dvec3(p.arm)));
+      const float room = p.gap + static_cast<float>(moved);
+      if (room < p.beside) left.push_back(room);
+    }
+    std::sort(left.begin(), left.end());
+    ContactRows::LowPlanes found;
+    rows.lowestBeside({&u, 1}, found);
+    ASSERT_EQ(found.size(), std::min(left.size(), ContactRows::kMaxBeside)) << count;
+    for (std::size_t k = 0; k < found.size(); ++k) EXPECT_NEAR(found[k].room, left[k], 1e-9) << count;
+  }
 }
 
 TEST(ContactRows, TellsTheWorstOfAnyNumberOfPlanes) {
