@@ -90,7 +90,7 @@ bool ContactStep::readAhead(double dt, const ContactEffort& effort, CountedWork&
         rows_.clear();
         refiner_.refine(source, {}, rows_);
       };
-      if (!CandidateRows(query, refiner_.memory(), clocks_, rows_).readAhead(ask, work)) return false;
+      if (!CandidateRows(query, refiner_.memory(), clocks_, rows_, true).readAhead(ask, work)) return false;
     }
   }
   return true;
