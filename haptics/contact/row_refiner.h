@@ -11,12 +11,10 @@ class RowRefiner {
  public:
   /// Adds the exact rows of a sample.
   virtual void refine(RowSource source, const Displacement& u, ContactRows& rows) = 0;
-  /// Whether a sample must be made exact although u leaves `room` m between it and its plane, because its part
-  /// may touch beside it. `normal` (world) is the plane's, as in a row.
-  virtual bool mayTouchBeside(RowSource, const glm::vec3& normal, float room, const Displacement& u) {
-    static_cast<void>(normal);
-    static_cast<void>(room);
-    static_cast<void>(u);
+  /// Whether a sample must be made exact although u leaves `room` m between it and its plane, of this normal
+  /// (world, as in a row), because its part may touch beside it.
+  virtual bool mayTouchBeside(RowSource, const glm::vec3& /*normal*/, float /*room*/,
+                              const Displacement& /*u*/) {
     return false;
   }
   /// The displacement in this tick of the surface under a row of a pair without a second body, m, world
