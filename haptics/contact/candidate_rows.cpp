@@ -11,7 +11,7 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr double kMostSag = 10.0;  // tolerances by which parts touch beside a sample at most
+constexpr double kMostSag = 4.0;   // tolerances by which parts touch beside a sample at most
 constexpr float kShallow = 0.25f;  // trusted errors up to which no answer is worth more than a dip
 constexpr float kBlade = 0.7f;     // rad (some 40 degrees) between the faces of a blade at least
 
