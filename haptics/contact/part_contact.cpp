@@ -37,7 +37,8 @@ void PartContact::own(PartId part, const glm::dvec3& centreOfMass) {
   if (!collides(part)) return overlaps_.forget(part);
   if (isTaking(part)) return;
   const Waiting waiting{part, centreOfMass};
-  waiting_.full() ? takeAtOnce(waiting, true) : static_cast<void>(waiting_.push_back(waiting));
+  if (waiting_.full()) return takeAtOnce(waiting, true);
+  waiting_.push_back(waiting);
 }
 
 void PartContact::disown(PartId part) {
