@@ -23,7 +23,7 @@ namespace tandem::haptics {
 struct TickState::Data {
   explicit Data(const ContactScene& contactScene);
 
-  /// Whether a part here stands still until it is taken.
+  /// Whether a part stands still here because it is still being taken (part_taking.h).
   bool isTaking(PartId part) const { return partContact != nullptr && partContact->isTaking(part); }
   void modelsChanged() {
     if (partContact != nullptr) partContact->modelsChanged();

@@ -11,7 +11,8 @@ constexpr int kMaxDepthRounds = 4;  // of making a fit as deep as it has to be
 constexpr double kRoom = 1.0, kMuchDeeper = 1.1;
 // Depths of an overlap up to which the seat's wall is in the plug.
 constexpr double kDeepest = 1.5;
-// Units of work: a row of places is at most this long, and a point is compared with all others.
+// Places that are looked at in one piece of work. Each costs a reading, and a comparison with the known
+// points, kPoints of which take one unit.
 constexpr int kPlacesAtOnce = 16, kPlace = CountedWork::kReading, kPoints = 32;
 constexpr int kIndexing = 4;  // a point
 
@@ -50,7 +51,7 @@ bool FitSearch::advance(CountedWork& work) {
       continue;
     }
     const bool looked = place_ == fit_->places();
-    const int points = static_cast<int>(fit_->points()), most = static_cast<int>(fit_->kMaxPoints);
+    const int points = static_cast<int>(fit_->points()), most = static_cast<int>(InterferenceFit::kMaxPoints);
     const int cost = looked ? kIndexing * points : kPlacesAtOnce * (kPlace + most / kPoints);
     if (work.pauses(cost)) return false;
     if (!work.affords(cost)) {

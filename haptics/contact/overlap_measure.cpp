@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 namespace tandem::haptics {
+
 void OverlapMeasure::begin(const PartPair& pair, const glm::dvec3& centre, bool exits,
                            const KnownFit& known) {
   pair_ = pair;

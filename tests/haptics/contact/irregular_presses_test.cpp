@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <initializer_list>
 #include <vector>
 
 #include "haptics/measure/touching_height.h"
@@ -97,43 +98,53 @@ TEST(IrregularPresses, GoNoDeeperThanIsKnownOf) {
   EXPECT_LT(pressAll(Family::turned, 1, 4).deepest(), kSteadyDepth);
 }
 
+/// One press, and the depth that it must stay below, m.
+struct Press {
+  Family family;
+  unsigned pair, pose;
+  double bound = kSteadyDepth;
+};
+
+void expectWithin(std::initializer_list<Press> presses) {
+  for (const Press& press : presses)
+    EXPECT_LT(depthOf(press.family, press.pair, press.pose), press.bound)
+        << "pair " << press.pair << ", pose " << press.pose;
+}
+
 /// Seeds whose presses go 6 to 58 um deep at the samples alone: where edges cross near a corner, where a flat
 /// meets a round surface between its samples, where a sharp edge snaps over another one within a step, beyond
 /// a blade, and over hollows of the other part.
 TEST(IrregularPresses, ThatWentDeepAtTheSamplesGoNoDeeperThanIsKnownOf) {
-  EXPECT_LT(depthOf(Family::blobs, 3, 2), kSteadyDepth);
-  EXPECT_LT(depthOf(Family::blobs, 7, 4), kSteadyDepth);
-  EXPECT_LT(depthOf(Family::blobs, 21, 4), kSteadyDepth);
-  EXPECT_LT(depthOf(Family::blobs, 39, 6), kKnownDepth);
-  EXPECT_LT(depthOf(Family::blocks, 25, 2), kSteadyDepth);
-  EXPECT_LT(depthOf(Family::turned, 10, 3), kSteadyDepth);
-  EXPECT_LT(depthOf(Family::turned, 17, 0), kSteadyDepth);
-  EXPECT_LT(depthOf(Family::turned, 27, 0), kKnownDepth);
-  EXPECT_LT(depthOf(Family::turned, 40, 5), kSteadyDepth);
+  expectWithin({{Family::blobs, 3, 2},
+                {Family::blobs, 7, 4},
+                {Family::blobs, 21, 4},
+                {Family::blobs, 39, 6, kKnownDepth},
+                {Family::blocks, 25, 2},
+                {Family::turned, 10, 3},
+                {Family::turned, 17, 0},
+                {Family::turned, 27, 0, kKnownDepth},
+                {Family::turned, 40, 5}});
 }
 
 /// 20 to 29 um deep where no row says that a smooth surface is deeper between its samples than at them.
 TEST(IrregularPresses, OfSmoothSurfacesAreJudgedBetweenTheirSamples) {
-  EXPECT_LT(depthOf(Family::blobs, 42, 1), kSteadyDepth);
-  EXPECT_LT(depthOf(Family::blobs, 27, 0), kSteadyDepth);
-  EXPECT_LT(depthOf(Family::blobs, 4, 5), kSteadyDepth);
-  EXPECT_LT(depthOf(Family::blocks, 8, 4), kSteadyDepth);
-  EXPECT_LT(depthOf(Family::turned, 45, 0), kSteadyDepth);
+  expectWithin({{Family::blobs, 42, 1},
+                {Family::blobs, 27, 0},
+                {Family::blobs, 4, 5},
+                {Family::blocks, 8, 4},
+                {Family::turned, 45, 0}});
 }
 
 /// 5.8 to 8.1 um deep at the very samples where a reading is believed to be too low by the whole error of its
 /// field.
 TEST(IrregularPresses, AreNoDeeperThanTheFieldLeavesOpen) {
-  EXPECT_LT(depthOf(Family::blobs, 26, 0), kSteadyDepth);
-  EXPECT_LT(depthOf(Family::blobs, 43, 0), kSteadyDepth);
+  expectWithin({{Family::blobs, 26, 0}, {Family::blobs, 43, 0}});
 }
 
 /// 10.5 um deep where a place that is as low by the field, within its error, ends the search; 7.8 and 7.7 um
 /// where the last seat of a sample holds however far the sample has gone.
 TEST(IrregularPresses, DescendAnewWhereThatMayBeWorthIt) {
-  EXPECT_LT(depthOf(Family::turned, 41, 1), kSteadyDepth);
-  EXPECT_LT(depthOf(Family::turned, 11, 3), kSteadyDepth);
-  EXPECT_LT(depthOf(Family::turned, 2, 4), kSteadyDepth);
+  expectWithin({{Family::turned, 41, 1}, {Family::turned, 11, 3}, {Family::turned, 2, 4}});
 }
 
 TEST(IrregularPresses, GoDeeperAtTheSamplesAlone) {

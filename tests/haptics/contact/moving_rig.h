@@ -82,7 +82,7 @@ class MovingRig {
     }
   }
 
-  /// Goes on with a scene whose models are refined, which must outlive this.
+  /// From now on ticks use `next`, the same scene with refined contact models; it must outlive this rig.
   void refine(const haptics::ContactScene& next) {
     present_ = &next;
     state_.refine(next);

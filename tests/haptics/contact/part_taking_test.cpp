@@ -42,7 +42,7 @@ MovingRig& boardRig() {
   return rig;
 }
 
-/// A hand, and the board as it is in the file.
+/// The board of seats with all pegs where they were modelled, and a hand that takes the board.
 class TakenBoard {
  public:
   explicit TakenBoard(int portion = haptics::ContactEffort{}.taking, const glm::dvec3& gravity = {})
