@@ -1,8 +1,8 @@
 #pragma once
 
-// Energy that hands were given from nowhere: force times travel of all hands that act on each other, less
-// what the scene's declared sources gave. It sees devices and sources only, so it is independent of the
-// grips, contacts and links that it judges.
+// Energy that hands were given from nowhere: force times travel and torque times turn of all hands that act
+// on each other, less what the scene's declared sources gave. It sees devices and sources only, so it is
+// independent of the grips, contacts and links that it judges.
 //
 // Hands that have ever been coupled form a group from then on: what one of them puts in, the others may be
 // given. Hands of different groups pay for nothing of each other.

@@ -50,9 +50,11 @@ HandSettingsInput SimulatedSite::settings() const {
   HandSettingsInput settings;
   haptics::TickParameters& parameters = settings.parameters[0];
   if (description_.fit) haptics::fitToDevice(device_.limits(), 0.0, parameters);
-  constexpr double kUnlimited = 1e9;  // N
+  constexpr double kUnlimited = 1e9;  // N, N·m
   parameters.forceLimit =
       context_.mistake == Mistake::limitsUnknown ? kUnlimited : description_.device.forceMax;
+  if (context_.mistake == Mistake::limitsUnknown || context_.mistake == Mistake::torqueUnknown)
+    parameters.torqueLimit = kUnlimited;
   settings.believesPeers =
       context_.mistake == Mistake::limitsUnknown || context_.mistake == Mistake::linksLieBelieved;
   parameters.gravity = context_.scene.gravity;
@@ -133,6 +135,8 @@ void SimulatedSite::tickHand(Micros now) {
   if (context_.mistake == Mistake::limitsUnknown)
     toHand.force = haptics::limited(toHand.force, description_.device.forceMax);
   device_.apply(toHand);
+  // The device turns as the person wills, whatever the torque, which is paid for all the same.
+  turned_ += glm::dot(toHand.torque, reading.twist.angular) * toSeconds(kTick);
   const HandSample sample = measure(toHand);
   if (running) addSources(tick());
   ShownPose shown;
@@ -171,7 +175,7 @@ HandSample SimulatedSite::measure(const Wrench& toHand) {
   HandSample sample;
   sample.force = toHand.force;
   sample.position = device_.hand().devicePose().position;
-  sample.energyGiven = device_.hand().energyGiven() - sourceEnergy_;
+  sample.energyGiven = device_.hand().energyGiven() + turned_ - sourceEnergy_;
   for (int i = 0; i < tick().contactCount; ++i)
     noteContact(tick().contacts[static_cast<std::size_t>(i)].part, sample);
   const glm::dvec3 target = device_.target().worldFromTarget.position;

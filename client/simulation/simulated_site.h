@@ -103,6 +103,7 @@ class SimulatedSite final : public SimulatedClient {
   HandMeasures measures_;
   glm::dvec3 lastTarget_;
   double sourceEnergy_ = 0.0;         // J, that the scene itself has given to this hand
+  double turned_ = 0.0;               // J, that torques have given to it
   std::vector<Pose> lastPoses_;       // of every part, as of the last tick here
   std::vector<Pose> worldFromDrawn_;  // of every part
   std::uint64_t denials_ = 0;

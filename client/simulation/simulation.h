@@ -64,6 +64,7 @@ enum class Mistake : std::uint8_t {
   negativeDamping,   // every device pushes its hand along, with 0.5 N·s/m: a source of energy
   doubtsAtOnce,      // sites doubt at a two hundredth of what is odd
   limitsUnknown,     // ticks do not know what their device can give, nor limit what peers do to it
+  torqueUnknown,     // ticks do not know how hard their hand may turn what others hold too
   linksLie,          // the link packets of the second site lie (LinkLie)
   linksLieBelieved,  // so, and nobody limits what peers do to them
 };

@@ -54,7 +54,8 @@ class Hand {
 
   /// What pulls at the part in the hand.
   HandPull pull() const {
-    return {valid_ ? &steadyDevice_ : nullptr, HandPull::gainsOf(parameters_), parameters_.forceLimit};
+    return {valid_ ? &steadyDevice_ : nullptr, HandPull::gainsOf(parameters_), parameters_.forceLimit,
+            parameters_.torqueLimit};
   }
   /// Notes the wrench of the hand's coupling in this tick, before limits.
   void setCoupling(const Wrench& coupling) { coupling_ = valid_ ? coupling : Wrench{}; }

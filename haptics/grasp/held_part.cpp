@@ -119,6 +119,13 @@ struct Tie {
   double weight = 0.0;  // N, of the replica here
 };
 
+/// What is left of a spring, 0..1, of which so much is asked, 1 at the limit of its force.
+double limitedShare(double asked, double rounded) {
+  const double kinked = std::min(1.0, 1.0 / std::max(asked, 1e-300));
+  const double round = 1.0 / std::sqrt(1.0 + asked * asked);
+  return kinked + rounded * (round - kinked);
+}
+
 /// A hand's coupling to a part.
 ///
 /// Beyond the force that the device can give, the hand would stretch the spring without paying for it, and
@@ -126,29 +133,44 @@ struct Tie {
 /// that, and the part's weight, which the hand need not feel: it is linear up to the limit, then of constant
 /// force (Huber's function as its potential), so it stores what the hand has paid.
 ///
+/// The same holds for the torque, and there for spring and damper together: a device without torque turns for
+/// nothing, as fast as the person wills, and is taken for a hand that turns no harder than the torque limit.
+///
 /// Where others are far, a pushed row yields long before their resistance comes back, and runs after the hand
 /// while the spring is beyond its limit. The kink of the force would then be a step to the hand, so it is
 /// rounded: F = limit s / sqrt(1 + s^2), s the stretch as a share of that at the limit. Rounding comes
 /// gradually, which only takes energy. A part that is tied no longer keeps limit and rounding until its
 /// spring is short, so that nothing jumps.
-Coupling couplingOf(Grip& grip, const HandPull& hand, const Pose& worldFromBody, const Tie& tie, double dt) {
+Coupling couplingOf(Grip& grip, const HandPull& hand, const RigidBody& body, const Tie& tie, double dt) {
   const DeviceSample& device = *hand.device;
   CouplingGains gains = firm(hand.gains, grip.firmness);
   grip.damped = std::min(1.0, grip.damped + dt / kDampingTime);
   gains.damping *= grip.damped;
   gains.rotDamping *= grip.damped;
-  const double gap = glm::length(device.worldFromDevice.position -
-                                 transformPoint(worldFromBody, grip.bodyFromGrip.position));
-  const double stretch = gains.stiffness * gap / (hand.forceLimit + tie.weight);  // 1: at the limit
-  grip.limited = tie.tied || (grip.limited && stretch > 1.0);
+  const Coupling whole{grip.bodyFromGrip, device.worldFromDevice, device.twist, gains};
+  const bool mayBeLimited = tie.tied || grip.limited || grip.rounded > 0.0;
+  if (!mayBeLimited || !(hand.forceLimit > 0.0)) return whole;
+  const Pose worldFromGrip = body.worldFromBody * grip.bodyFromGrip;
+  const double gap = glm::length(device.worldFromDevice.position - worldFromGrip.position);
+  const glm::dvec3 angle =
+      rotationVector(device.worldFromDevice.orientation * glm::conjugate(worldFromGrip.orientation));
+  const glm::dvec3 torque =
+      gains.rotStiffness * angle + gains.rotDamping * (device.twist.angular - body.twist.angular);
+  const double arm =
+      glm::length(worldFromGrip.position - transformPoint(body.worldFromBody, body.centreOfMass));
+  // 1: at the limit.
+  const double stretch = gains.stiffness * gap / (hand.forceLimit + tie.weight);
+  const double twist = glm::length(torque) / (hand.torqueLimit + arm * tie.weight);
+  const double most = std::max(stretch, twist);
+  grip.limited = tie.tied || (grip.limited && most > 1.0);
   grip.rounded =
-      tie.far ? std::min(1.0, grip.rounded + dt / kRoundingTime) : (stretch > kShort ? grip.rounded : 0.0);
-  if (hand.forceLimit > 0.0 && (grip.limited || grip.rounded > 0.0)) {
-    const double kinked = std::min(1.0, 1.0 / std::max(stretch, 1e-300));
-    const double round = 1.0 / std::sqrt(1.0 + stretch * stretch);
-    gains.stiffness *= kinked + grip.rounded * (round - kinked);
-  }
-  return {grip.bodyFromGrip, device.worldFromDevice, device.twist, gains};
+      tie.far ? std::min(1.0, grip.rounded + dt / kRoundingTime) : (most > kShort ? grip.rounded : 0.0);
+  if (!grip.limited && grip.rounded == 0.0) return whole;
+  Coupling coupling = whole;
+  coupling.gains.stiffness *= limitedShare(stretch, grip.rounded);
+  coupling.gains.rotStiffness *= limitedShare(twist, grip.rounded);
+  coupling.gains.rotDamping *= limitedShare(twist, grip.rounded);
+  return coupling;
 }
 
 /// The tool's spring, as if it held the part where it presses: so it is implicit, and any mass is stable.
@@ -336,7 +358,7 @@ bool HeldParts::pulledStep(SimulatedPart& entry, const HandPulls& hands, const g
     if (!grip.holds || hands[h].device == nullptr) continue;
     if (grip.firmness < 1.0)
       close(grip, entry.body.worldFromBody, hands[h].device->worldFromDevice, links_.carry(entry.part), dt);
-    couplings[count++] = couplingOf(grip, hands[h], entry.body.worldFromBody, tie, dt);
+    couplings[count++] = couplingOf(grip, hands[h], entry.body, tie, dt);
   }
   if (count == 0 && !linked) return false;
   const bool held = count > 0;

@@ -50,7 +50,7 @@ struct FieldPull {
 /// A hand's coupling to a part.
 struct Grip {
   bool holds = false;
-  bool limited = false;  // its spring gives the part no more than the device gives the hand
+  bool limited = false;  // its springs give the part no more than the device gives the hand
   double rounded = 0.0;  // 0..1: how far it approaches that limit smoothly
   Pose bodyFromGrip;
   Wrench onHand;          // of the last step
@@ -82,7 +82,8 @@ struct SimulatedPart {
 struct HandPull {
   const DeviceSample* device = nullptr;  // null: no valid reading, or no such hand: nothing
   CouplingGains gains;
-  double forceLimit = 0.0;  // N, the most that the hand is given; 0: any
+  double forceLimit = 0.0;   // N, the most that the hand is given; 0: any
+  double torqueLimit = 0.0;  // N·m, the same, > 0 with it
 
   static CouplingGains gainsOf(const TickParameters& p) {
     return {p.graspStiffness, p.graspDamping, p.graspRotStiffness, p.graspRotDamping};

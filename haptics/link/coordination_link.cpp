@@ -91,7 +91,7 @@ bool CoordinationLink::receives(const PlayedWave& peer) const {
 LinkPull CoordinationLink::pull(double now, const Pose& worldFromCentre, const Twist& twist) {
   watchRegime(now);
   const SixAxes v = axesOf(twist, p_.lever);
-  trust_.advance(length(v), p_.period);
+  trust_.advance(v, p_.period);
   const PlayedWave peer = playOut_.play(now - delay());
   const bool wasFresh = fresh(), isFresh = receives(peer);
   const double shareBefore = share_;

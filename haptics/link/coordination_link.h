@@ -55,7 +55,7 @@ class CoordinationLink {
   explicit CoordinationLink(const LinkParameters& parameters)
       : p_(parameters),
         regime_(parameters.longestDelay),
-        trust_(parameters.peerSlew),
+        trust_(parameters.peerSlew, parameters.lever),
         playOutDelay_(parameters.playOutMargin) {}
 
   /// Restarts under an epoch; `delay` s is the known network delay. The present force decays.

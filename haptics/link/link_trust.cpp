@@ -5,7 +5,9 @@
 
 namespace tandem::haptics {
 
-void LinkTrust::advance(double speed, double dt) {
+void LinkTrust::advance(const SixAxes& velocity, double dt) {
+  // A velocity grows with the lever as a force shrinks.
+  const double speed = length(atPartsLever(velocity));
   speed_ = std::max(speed, speed_ * (1.0 - dt / kLately));
   const double more = ((held_ ? 1.0 : kNear) * slew_ + kBySpeed * speed_) * dt;
   allowance_ = std::min(std::max(kBurst, more), allowance_ + more);
@@ -16,17 +18,19 @@ void LinkTrust::advance(double speed, double dt) {
 
 // The force may take over any share of the own change: a peer who goes along has taken it away again.
 SixAxes LinkTrust::admit(const SixAxes& said, const SixAxes& own, double dt) {
-  if (!limits()) return force_ = said;
-  const double square = dot(own, own);
-  const double share = square > 0.0 ? std::clamp(dot(said - force_, own) / square, 0.0, 1.0) : 0.0;
-  const SixAxes nearest = force_ + share * own;
-  const SixAxes step = shortened(said - nearest, allowance_);
+  if (!limits()) return said;
+  const SixAxes asked = atLongerLever(said), change = atLongerLever(own);
+  const double square = dot(change, change);
+  const double share = square > 0.0 ? std::clamp(dot(asked - force_, change) / square, 0.0, 1.0) : 0.0;
+  const SixAxes nearest = force_ + share * change;
+  const SixAxes step = shortened(asked - nearest, allowance_);
   force_ = nearest + step;
   allowance_ -= length(step);
-  const SixAxes ahead = said - force_;
-  ahead_ += dt * dot(ahead, ahead) / kOfAHand;
+  const SixAxes ahead = asked - force_;
+  const double push = glm::length(ahead.along) / kPush, twist = glm::length(ahead.about) / kTwist;
+  ahead_ += dt * (push * push + twist * twist) * kPush;
   if (ahead_ > kMostAhead) doubt();
-  return force_;
+  return atPartsLever(force_);
 }
 
 void LinkTrust::contradicted() {
