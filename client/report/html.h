@@ -5,7 +5,7 @@
 #include <string>
 
 #include "client/report/bound.h"
-#include "client/report/sweep.h"
+#include "client/report/sweep_results.h"
 
 namespace tandem::client::report {
 

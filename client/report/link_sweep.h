@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "client/report/link_measurement.h"
-#include "client/report/sweep.h"
+#include "client/report/sweep_options.h"
+#include "client/report/sweep_results.h"
 
 namespace tandem::client::report {
 

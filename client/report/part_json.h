@@ -3,7 +3,7 @@
 // Experiments with a part in the hand as JSON, and peers' figures back from it. For report_json.cpp.
 
 #include "assets/base/json.h"
-#include "client/report/sweep.h"
+#include "client/report/sweep_results.h"
 
 namespace tandem::client::report {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "client/report/bound.h"
-#include "client/report/sweep.h"
+#include "client/report/sweep_results.h"
 
 namespace tandem::client::report {
 

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "client/report/part_measurement.h"
-#include "client/report/sweep.h"
+#include "client/report/sweep_options.h"
+#include "client/report/sweep_results.h"
 #include "haptics/scene/contact_scene.h"
 
 namespace tandem::client::report {

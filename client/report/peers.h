@@ -5,7 +5,8 @@
 #include <string>
 
 #include "assets/base/result.h"
-#include "client/report/sweep.h"
+#include "client/report/sweep_options.h"
+#include "client/report/sweep_results.h"
 
 namespace tandem::client::report {
 

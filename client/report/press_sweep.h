@@ -6,7 +6,8 @@
 
 #include "client/report/part_measurement.h"
 #include "client/report/press_experiment.h"
-#include "client/report/sweep.h"
+#include "client/report/sweep_options.h"
+#include "client/report/sweep_results.h"
 
 namespace tandem::client::report {
 

@@ -231,15 +231,6 @@ double facetError(const Experiment& e) {
 
 }  // namespace
 
-std::vector<ExperimentInfo> chosenOf(const std::vector<ExperimentInfo>& all, const SweepOptions& options) {
-  std::vector<ExperimentInfo> chosen;
-  for (const ExperimentInfo& info : all) {
-    const bool named = std::find(options.only.begin(), options.only.end(), info.id) != options.only.end();
-    if (options.only.empty() ? !options.quick || info.quick : named) chosen.push_back(info);
-  }
-  return chosen;
-}
-
 std::vector<ExperimentInfo> chosenExperiments(const SweepOptions& options) {
   return chosenOf(allExperiments(), options);
 }

@@ -13,6 +13,7 @@
 #include "client/report/link_recording.h"
 #include "client/report/link_sweep.h"
 #include "client/report/report_json.h"
+#include "client/report/sweep.h"
 #include "tests/client/report/report_checks.h"
 
 namespace tandem::test {

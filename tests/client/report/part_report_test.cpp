@@ -13,6 +13,7 @@
 #include "client/report/html.h"
 #include "client/report/part_sweep.h"
 #include "client/report/report_json.h"
+#include "client/report/sweep.h"
 #include "haptics/measure/held_depth.h"
 #include "tests/support/allocation_counter.h"
 

@@ -11,6 +11,7 @@
 #include "client/report/part_sweep.h"
 #include "client/report/press_sweep.h"
 #include "client/report/report_json.h"
+#include "client/report/sweep.h"
 #include "haptics/measure/penetration.h"
 #include "tests/client/report/report_checks.h"
 #include "tests/support/allocation_counter.h"
