@@ -1,10 +1,12 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "assets/gltf/cad_file.h"
 #include "client/commands/command.h"
 #include "client/simulation/protocol_simulation.h"
+#include "client/simulation/scenario_scripts.h"
 #include "client/simulation/simulation.h"
 
 namespace tandem::client {
@@ -73,6 +75,9 @@ int run(const Arguments& arguments) {
       assets::loadSceneFile({scenario->scene, "m", assets::defaultCacheDirectory()}, scenario->load);
   if (!scene) return badInput(scene.error());
   if (arguments.protocol) return runProtocol(arguments, *scenario, *scene);
+  // What is wrong with a script is said before models are made, which takes longer.
+  if (const Result<std::vector<HandScript>> scripts = parseScripts(*scenario, *scene); !scripts)
+    return badInput(scripts.error());
   haptics::ContactScene contact(*scene);
   if (!arguments.noPartContact) modelParts(contact, false);
   Result<SimulationResult> result = simulate(*scenario, contact, arguments.options);

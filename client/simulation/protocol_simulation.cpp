@@ -12,6 +12,7 @@
 #include "client/simulation/fault_schedule.h"
 #include "client/simulation/fingerprint.h"
 #include "client/simulation/light_site.h"
+#include "client/simulation/scenario_scripts.h"
 
 namespace tandem::client {
 
@@ -83,16 +84,15 @@ class ProtocolSimulation::Run {
 };
 
 Status ProtocolSimulation::Run::addSites(ExchangePool& pool, std::uint64_t seed) {
+  Result<std::vector<HandScript>> scripts = parseScripts(scenario_, scene_);
+  if (!scripts) return scripts.error();
   std::mt19937_64 random(seed * 0x9e3779b97f4a7c15ull + 1);
   for (std::size_t i = 0; i < scenario_.sites.size(); ++i) {
     const ScenarioSite& description = scenario_.sites[i];
-    Result<HandScript> script = parseHandScript(
-        description.script, scenario_.path + ": sites[" + std::to_string(i) + "].script", scene_);
-    if (!script) return script.error();
     const auto offset = static_cast<Micros>(random() % 1000000000000ull);
     sites_.push_back(
         std::make_unique<LightSite>(LightWorld{scenario_, scene_, network_, server_, invariants_}, pool, i,
-                                    description, std::move(*script), offset));
+                                    description, std::move((*scripts)[i]), offset));
     faults_.addSite(*sites_.back());
   }
   return {};
@@ -147,9 +147,9 @@ bool ProtocolSimulation::Run::mustBeServed(std::size_t site) const {
     bool contested = false;
     for (std::size_t other = 0; other < sites_.size() && way > kSharedWay; ++other)
       for (const Ask& rival : asksOf(sites_[other]->script()))
-        contested = contested || (other != site && rival.part == ask.part &&
-                                  rival.from < ask.from + way + kTurns &&
-                                  rival.until > ask.from - 2.0 * way - kTurns);
+        contested =
+            contested || (other != site && rival.part == ask.part && rival.from < ask.from + way + kTurns &&
+                          rival.until > ask.from - 2.0 * way - kTurns);
     if (!contested) return true;
   }
   return false;

@@ -9,6 +9,7 @@
 
 #include "assets/base/assert.h"
 #include "client/simulation/created_energy.h"
+#include "client/simulation/scenario_scripts.h"
 #include "client/simulation/simulated_site.h"
 
 namespace tandem::client {
@@ -74,18 +75,17 @@ class Simulation {
 };
 
 Status Simulation::addSites(std::uint64_t seed) {
+  Result<std::vector<HandScript>> scripts = parseScripts(scenario_, scene_);
+  if (!scripts) return scripts.error();
   std::mt19937_64 random(seed * 0x9e3779b97f4a7c15ull + 1);
   for (std::size_t i = 0; i < scenario_.sites.size(); ++i) {
     const ScenarioSite& description = scenario_.sites[i];
-    Result<HandScript> script = parseHandScript(
-        description.script, scenario_.path + ": sites[" + std::to_string(i) + "].script", scene_);
-    if (!script) return script.error();
     const Pose start =
         description.hasStart ? Pose{description.start, {1.0, 0.0, 0.0, 0.0}} : defaultHandStart(scene_, i);
     // Each site's clock started some time in the last eleven days.
     const auto offset = static_cast<Micros>(random() % 1000000000000ull);
     sites_.push_back(
-        std::make_unique<SimulatedSite>(context_, i, description, std::move(*script), start, offset));
+        std::make_unique<SimulatedSite>(context_, i, description, std::move((*scripts)[i]), start, offset));
     faults_.addSite(*sites_.back());
   }
   return {};
