@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/simulation/split_mix.h"
+#include "tests/simulation/shared_sessions.h"
 
 namespace tandem::test {
 namespace {
@@ -168,13 +169,11 @@ std::vector<std::size_t> endsOf(const Chain& chain) {
 class ForceSteps {
  public:
   void add(double t, std::span<const client::SimulatedSiteState> sites) {
-    constexpr std::size_t kWindow = 20;  // ticks
     forces_.resize(sites.size());
     for (std::size_t i = 0; i < sites.size(); ++i) {
       std::vector<glm::dvec3>& of = forces_[i];
       of.push_back(sites[i].force);
-      if (t > kPushBegins && t < kPushEnds && of.size() > kWindow)
-        largest_ = std::max(largest_, glm::length(of.back() - of[of.size() - 1 - kWindow]));
+      if (t > kPushBegins && t < kPushEnds) largest_ = std::max(largest_, changeIn20ms(of, of.size() - 1));
     }
   }
   double largest() const { return largest_; }

@@ -100,13 +100,6 @@ class Stretch {
   std::vector<glm::dvec3> apart_, force_;
 };
 
-double stepAt(const std::vector<glm::dvec3>& force) {
-  double largest = 0.0;
-  for (std::size_t back = 1; back <= std::min<std::size_t>(20, force.size() - 1); ++back)
-    largest = std::max(largest, glm::length(force.back() - force[force.size() - 1 - back]));
-  return largest;
-}
-
 SharedSession sessionOf(const Case& c) {
   SharedSession session("shared_drag", SharedSession::Contact::models, c.massFactor);
   session.setDelay(c.delay);
@@ -159,7 +152,7 @@ Figures runCase(const Case& c) {
     if (settled) figures.mayYield = guests->links.delay / kLink.impedance + 2.0 / kLink.spring;
     double& step = settled ? figures.stepOfDrag : figures.step;
     for (const std::vector<glm::dvec3>& force : forces)
-      if (!force.empty()) step = std::max(step, stepAt(force));
+      if (!force.empty()) step = std::max(step, changeIn20ms(force, force.size() - 1));
   };
   const client::SimulationResult result = session.run();
   EXPECT_TRUE(result.violations.empty()) << describe(result);

@@ -47,8 +47,7 @@ double feltThroughNearParts(client::Mistake mistake, const client::LinkLie& lie 
   double largest = 0.0;
   session.options.watch = [&](double, std::span<const client::SimulatedSiteState> sites) {
     forces.push_back(sites[0].force);
-    const std::size_t before = forces.size() - 1 - std::min<std::size_t>(20, forces.size() - 1);
-    largest = std::max(largest, glm::length(forces.back() - forces[before]));
+    largest = std::max(largest, changeIn20ms(forces, forces.size() - 1));
   };
   static_cast<void>(session.run());
   return largest;

@@ -76,8 +76,7 @@ Felt runPull(const Pull& pull) {
       std::vector<glm::dvec3>& force = forces[i];
       force.push_back(sites[i].force);
       if (force.size() == 1) felt.force[i] = glm::length(sites[i].force);
-      for (std::size_t back = 1; back <= std::min<std::size_t>(20, force.size() - 1); ++back)
-        felt.step[i] = std::max(felt.step[i], glm::length(force.back() - force[force.size() - 1 - back]));
+      felt.step[i] = std::max(felt.step[i], changeIn20ms(force, force.size() - 1));
     }
   };
   const client::SimulationResult result = session.run();

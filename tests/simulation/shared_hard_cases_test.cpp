@@ -40,8 +40,7 @@ class Watch {
     const std::vector<glm::dvec3>& force = sites_[site].force;
     double largest = 0.0;
     for (std::size_t i = at(from); i < std::min(at(to), force.size()); ++i)
-      for (std::size_t back = 1; back <= std::min<std::size_t>(20, i); ++back)
-        largest = std::max(largest, glm::length(force[i] - force[i - back]));
+      largest = std::max(largest, changeIn20ms(force, i));
     return largest;
   }
   double force(std::size_t site, double t) const { return glm::length(sites_[site].force[at(t)]); }

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cstdlib>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <tuple>
+
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
 
 #include "tests/support/full_size.h"
 
@@ -64,6 +66,13 @@ client::SimulationResult SharedSession::run() const {
   Result<client::SimulationResult> result = client::simulate(scenario, loaded_->contact, options);
   EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
   return std::move(*result);
+}
+
+double changeIn20ms(std::span<const glm::dvec3> force, std::size_t i) {
+  double largest = 0.0;
+  for (std::size_t back = 1; back <= std::min<std::size_t>(20, i); ++back)
+    largest = std::max(largest, glm::length(force[i] - force[i - back]));
+  return largest;
 }
 
 std::uint64_t sessions() {

@@ -3,8 +3,12 @@
 // Sessions on virtual time in which sites share parts. They run the scenarios of this folder, which a test
 // changes where it needs to.
 
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
+
+#include <glm/vec3.hpp>
 
 #include "client/simulation/simulation.h"
 
@@ -39,6 +43,9 @@ class SharedSession {
   static std::shared_ptr<const Loaded> load(const std::string& name, Contact contact, double massFactor);
   std::shared_ptr<const Loaded> loaded_;
 };
+
+/// N: the largest change of a hand's force (N, a tick each, `i` < size) within the 20 ms that end with tick `i`.
+double changeIn20ms(std::span<const glm::dvec3> force, std::size_t i);
 
 /// How many sessions are drawn at random: TANDEM_SEEDS, or 1000.
 std::uint64_t sessions();
