@@ -1,6 +1,7 @@
 #include "client/levels/level_file.h"
 
 #include <array>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <span>
@@ -12,8 +13,8 @@
 namespace tandem::client {
 namespace {
 
-// Raised whenever the levels of the same mesh become others.
-constexpr std::uint64_t kLevelsVersion = 1;
+// Raised whenever the levels of the same mesh, or their file, become others.
+constexpr std::uint64_t kLevelsVersion = 2;
 constexpr std::array<char, 8> kLevelsMark = {'T', 'D', 'L', 'e', 'v', 'e', 'l', 's'};
 
 template <typename T>
@@ -68,10 +69,12 @@ std::optional<std::vector<Level>> readLevels(const std::string& directory,
   std::span<const std::byte> rest = file->bytes();
   std::vector<Level> levels;
   std::vector<double> errors;
-  if (!take(rest, errors)) return std::nullopt;
-  for (const double error : errors) {
+  std::vector<std::uint8_t> outward;
+  if (!take(rest, errors) || !take(rest, outward) || outward.size() != errors.size()) return std::nullopt;
+  for (std::size_t i = 0; i < errors.size(); ++i) {
     Level level;
-    level.error = error;
+    level.error = errors[i];
+    level.facesOutward = outward[i] != 0;
     RenderMesh& mesh = level.mesh;
     if (!take(rest, mesh.vertices) || !take(rest, mesh.indices) || !take(rest, mesh.ranges) ||
         !take(rest, mesh.clusters) || !take(rest, mesh.featureEdges))
@@ -86,8 +89,13 @@ void keepLevels(const std::string& directory, const assets::ContentHash& content
   if (directory.empty()) return;
   std::vector<std::byte> bytes;
   std::vector<double> errors;
-  for (const Level& level : levels) errors.push_back(level.error);
+  std::vector<std::uint8_t> outward;
+  for (const Level& level : levels) {
+    errors.push_back(level.error);
+    outward.push_back(level.facesOutward ? 1 : 0);
+  }
   append(bytes, errors);
+  append(bytes, outward);
   for (const Level& level : levels) {
     append(bytes, level.mesh.vertices);
     append(bytes, level.mesh.indices);

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "client/levels/decimation.h"
+#include "client/levels/facing.h"
 #include "client/levels/level_error.h"
 
 namespace tandem::client {
@@ -158,6 +159,8 @@ std::vector<Level> makeLevels(const assets::Mesh& mesh, const std::function<bool
     level.mesh = makeRenderMesh(decimated.mesh, &points);
     takeNormals(exact, exactPoints, decimated.exactPoint, points, level.mesh);
     level.error = error;
+    // A coarser level is inside out where the finest is, but for less than its error.
+    level.facesOutward = levels.empty() ? facesOutward(mesh, level.mesh) : levels.front().facesOutward;
     levels.push_back(std::move(level));
   }
   return levels;

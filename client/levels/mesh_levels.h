@@ -15,7 +15,8 @@ inline constexpr std::size_t kLevelsFrom = 8'000;
 /// What is drawn in place of a mesh.
 struct Level {
   RenderMesh mesh;
-  double error = 0.0;  // m: no point of either surface is further from the other one
+  double error = 0.0;         // m: no point of either surface is further from the other one
+  bool facesOutward = false;  // known to (facing.h): the backs of its faces need not be drawn
 };
 
 /// A rough level in some 10 ms per 200,000 triangles: the vertices of each cell of a grid become one, and

@@ -85,6 +85,7 @@ void DrawnLevels::add(LevelMaker::Made made) {
   shape.errors.clear();
   for (const Level& level : made.levels) {
     shape.levels.push_back(upload(level.mesh));
+    shape.levels.back().facesOutward = level.facesOutward;
     shape.errors.push_back(level.error);
   }
   shape.standsIn = false;

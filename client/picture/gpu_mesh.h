@@ -15,7 +15,8 @@ struct GpuMesh {
   std::vector<RenderRange> ranges;
   std::vector<RenderCluster> clusters;
   int edgeCount = 0;
-  std::size_t bytes = 0;  // of the buffers
+  bool facesOutward = false;  // known to: no back of a face is seen from outside
+  std::size_t bytes = 0;      // of the buffers
 };
 
 GpuMesh upload(const RenderMesh& mesh);

@@ -1,6 +1,7 @@
 #include "client/picture/scene_picture.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "assets/base/assert.h"
 #include "assets/base/fnv1a.h"
@@ -92,8 +93,9 @@ std::uint64_t ScenePicture::hashOfRest(const Content& content) const {
   return hash.value();
 }
 
-void ScenePicture::drawLayer(const Content& content, const SceneRenderer& parts) const {
-  layer_.bind();
+void ScenePicture::drawResting(const Content& content, const SceneRenderer& parts,
+                               const GlTarget& target) const {
+  target.bind();
   glDepthMask(GL_TRUE);
   glClear(GL_DEPTH_BUFFER_BIT);
   parts.drawBackground(content.background);
@@ -123,9 +125,16 @@ void ScenePicture::update(const Content& content, const glm::ivec2& size, const 
   glDisable(GL_CULL_FACE);
   glEnable(GL_MULTISAMPLE);
   glDepthFunc(GL_LESS);
-  if (layer != lastLayer_) drawLayer(content, parts);
-  copy(layer_, multisampled_, GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  multisampled_.bind();
+  // A layer that changes in each picture, as while the camera turns, is of use to no other: it is not kept.
+  const bool changed = std::exchange(layerChanges_, layer != lastLayer_);
+  if (layerChanges_) layerKept_ = false;
+  if (layerChanges_ && changed) {
+    drawResting(content, parts, multisampled_);
+  } else {
+    if (!std::exchange(layerKept_, true)) drawResting(content, parts, layer_);
+    copy(layer_, multisampled_, GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    multisampled_.bind();
+  }
   parts.draw(content.view, content.worldFromPart, content.looks, moving_, content.edges);
   drawAgain(content, parts);
   glyphs.draw(content.glyphs);

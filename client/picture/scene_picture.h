@@ -40,7 +40,7 @@ class ScenePicture {
   std::uint64_t hashOfLayer(const Content& content, const glm::ivec2& size, const SceneRenderer& parts) const;
   std::uint64_t hashOfRest(const Content& content) const;
   void drawAgain(const Content& content, const SceneRenderer& parts);
-  void drawLayer(const Content& content, const SceneRenderer& parts) const;
+  void drawResting(const Content& content, const SceneRenderer& parts, const GlTarget& target) const;
 
   GlTarget layer_, multisampled_, resolved_;
   std::vector<PartId> resting_, moving_;
@@ -49,6 +49,8 @@ class ScenePicture {
   std::vector<PartLook> looksAgain_;
   std::vector<std::uint32_t> framesAtRest_;
   std::uint64_t lastLayer_ = 0, lastRest_ = 0;
+  bool layerKept_ = false;     // layer_ holds the parts at rest of the last picture
+  bool layerChanges_ = false;  // they were not those of the picture before
 };
 
 }  // namespace tandem::client

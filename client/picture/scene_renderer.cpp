@@ -252,7 +252,6 @@ void SceneRenderer::draw(const View& view, std::span<const Pose> worldFromPart,
   std::stable_sort(transparent.begin(), transparent.end(),
                    [](const Drawn& a, const Drawn& b) { return a.order < b.order; });
 
-  glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   const glm::vec3 up(view.eyeFromWorld.orientation * glm::dvec3(0.0, 1.0, 0.0));
   for (const GlProgram* program : {&programs().part, &programs().thinLine, &programs().wideLine}) {
@@ -264,6 +263,7 @@ void SceneRenderer::draw(const View& view, std::span<const Pose> worldFromPart,
   programs().part.set("upInEye", up);
   useCut(Cut::all);
   for (const Drawn& d : opaque) drawSurface(view, d.part, *d.mesh, worldFromPart[d.part], looks[d.part]);
+  glEnable(GL_BLEND);
   if (edges)
     for (const Drawn& d : opaque) drawEdges(view, d.part, *d.mesh, worldFromPart[d.part], looks[d.part]);
   glDepthMask(GL_FALSE);
@@ -370,6 +370,13 @@ void SceneRenderer::drawClusters(const GpuMesh& mesh, std::uint32_t first, std::
   flush();
 }
 
+bool SceneRenderer::hidesBacks(const View& view, PartId part, const GpuMesh& mesh,
+                               const Pose& worldFromPart) const {
+  if (!mesh.facesOutward || !sections_.empty()) return false;
+  const Sphere sphere = worldSphere(part, worldFromPart);
+  return view.depthOf(sphere.centre) - sphere.radius > view.near;
+}
+
 void SceneRenderer::drawSurface(const View& view, PartId part, const GpuMesh& mesh, const Pose& worldFromPart,
                                 const PartLook& look) const {
   const GlProgram& program = programs().part;
@@ -385,6 +392,9 @@ void SceneRenderer::drawSurface(const View& view, PartId part, const GpuMesh& me
     program.set("metallic", material.metallic);
     program.set("roughness", std::max(material.roughness, 0.2f));
   };
+  // A software renderer pays for each triangle, whether something hides it or not.
+  const bool skipsBacks = hidesBacks(view, part, mesh, worldFromPart) && look.alpha >= 1.0f;
+  if (skipsBacks) glEnable(GL_CULL_FACE);
   const RenderRange* largest = nullptr;
   const auto drawMesh = [&](auto&& before) {
     program.set("eyeFromPart", matrixOf(view.eyeFromWorld * worldFromPart));
@@ -399,6 +409,7 @@ void SceneRenderer::drawSurface(const View& view, PartId part, const GpuMesh& me
     dress(range);
     if (largest == nullptr || range.indexCount > largest->indexCount) largest = &range;
   });
+  glDisable(GL_CULL_FACE);
   if (sections_.empty() || largest == nullptr) return;
   dress(*largest);
   drawCaps(view, program, part, worldFromPart, [&] { drawMesh([](const RenderRange&) {}); });

@@ -110,6 +110,8 @@ class SceneRenderer {
   template <typename Test>
   static void drawClusters(const GpuMesh& mesh, std::uint32_t first, std::uint32_t count,
                            const Pose& worldFromPart, Test visible);
+  /// Whether the backs of a part's faces are all hidden: none is seen through a cut or from within.
+  bool hidesBacks(const View& view, PartId part, const GpuMesh& mesh, const Pose& worldFromPart) const;
   void drawSurface(const View& view, PartId part, const GpuMesh& mesh, const Pose& worldFromPart,
                    const PartLook& look) const;
   void drawEdges(const View& view, PartId part, const GpuMesh& mesh, const Pose& worldFromPart,

@@ -69,6 +69,8 @@ TEST(LevelMaker, ReadsWhatIsKeptAndMakesAnewWhatIsDamaged) {
   ASSERT_EQ(again.size(), first.size());
   for (std::size_t i = 0; i < first.size(); ++i) {
     EXPECT_EQ(again[i].error, first[i].error);
+    EXPECT_TRUE(first[i].facesOutward);
+    EXPECT_EQ(again[i].facesOutward, first[i].facesOutward);
     EXPECT_EQ(again[i].mesh.indices, first[i].mesh.indices);
     EXPECT_EQ(again[i].mesh.vertices.size(), first[i].mesh.vertices.size());
   }

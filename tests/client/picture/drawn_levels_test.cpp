@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <thread>
+#include <utility>
 
 #include "assets/generate/bench_meshes.h"
 #include "assets/generate/large_assembly.h"
@@ -31,6 +33,30 @@ TEST(LevelChoice, TakesTheCoarsestWithinAPixelAndGoesCoarserOnlyWellWithin) {
 }
 
 using Pixels = std::vector<std::uint8_t>;
+using Depths = std::vector<double>;
+
+constexpr double kBehind = 0.004;  // m; the parts are some 40 mm across
+
+/// The share of what both pictures show that is in another place by more than kBehind.
+double shareElsewhere(const Depths& exact, const Depths& drawn) {
+  int both = 0, elsewhere = 0;
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    if (exact[i] <= 0.0 || drawn[i] <= 0.0) continue;
+    ++both;
+    elsewhere += std::abs(exact[i] - drawn[i]) > kBehind ? 1 : 0;
+  }
+  EXPECT_GT(both, 1000);
+  return static_cast<double>(elsewhere) / both;
+}
+
+/// The same surface with its inside out.
+void turnInsideOut(assets::Mesh& mesh) {
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+    std::swap(mesh.neighbours[t][0], mesh.neighbours[t][2]);
+    std::swap(mesh.edgeFlags[t][0], mesh.edgeFlags[t][2]);
+  }
+}
 
 /// What is not black in one picture against another one.
 struct Compared {
@@ -68,6 +94,7 @@ class DrawnLevelsTest : public testing::Test {
     surface_ = std::move(*surface);
     // The third mesh is the first again, as files have it that repeat a mesh for each of its places.
     scene_ = generate::largeAssembly(kMeshes, 9000);
+    if (insideOut_) turnInsideOut(scene_.meshes[0]);
     scene_.meshes[2] = scene_.meshes[0];
     const std::vector<assets::Part> parts = scene_.parts;
     while (scene_.parts.size() < 36) {  // enough triangles for levels, all in one place but the first three
@@ -119,6 +146,29 @@ class DrawnLevelsTest : public testing::Test {
     return pixels;
   }
 
+  /// Of each pixel of the last picture, m from the eye; 0: nothing.
+  static Depths depthsOf(const View& view) {
+    std::vector<float> values(kPictureSize * kPictureSize);
+    glReadPixels(0, 0, kPictureSize, kPictureSize, GL_DEPTH_COMPONENT, GL_FLOAT, values.data());
+    Depths depths;
+    for (const float value : values) {
+      const double clip = 2.0 * static_cast<double>(value) - 1.0;
+      depths.push_back(value >= 1.0f ? 0.0
+                                     : 2.0 * view.near * view.far /
+                                           (view.far + view.near - clip * (view.far - view.near)));
+    }
+    return depths;
+  }
+  Depths exactDepths(const View& view) {
+    draw(*exact_, view);
+    return depthsOf(view);
+  }
+  Depths settledDepths(const View& view) {
+    drawSettled(view);
+    draw(*levels_, view);
+    return depthsOf(view);
+  }
+
   /// Leaves the processor for a while to those who make levels, which give way to all else.
   static void waitForLevels() { std::this_thread::sleep_for(std::chrono::milliseconds(50)); }
 
@@ -131,6 +181,7 @@ class DrawnLevelsTest : public testing::Test {
     }
   }
 
+  bool insideOut_ = false;  // the first mesh, and so the third
   const test::TemporaryFolder folder_;
   std::unique_ptr<Surface> surface_;
   assets::Scene scene_;
@@ -166,6 +217,31 @@ TEST_F(DrawnLevelsTest, TooCoarseALevelHasHolesAndOverhangs) {
   const Compared found = compare(draw(*exact_, near), draw(*levels_, near));
   EXPECT_GT(levels_->pixelsOff(), 2.0);
   EXPECT_GT(found.holes + found.overhang, 0);
+}
+
+TEST_F(DrawnLevelsTest, SkipsTheBacksOfFacesAndNothingThatIsSeen) {
+  for (const double yaw : {-1.0, 0.1, 0.9}) {
+    const View view = viewFrom(0.4, yaw);
+    const Depths exact = exactDepths(view);
+    EXPECT_LT(shareElsewhere(exact, settledDepths(view)), 0.01);
+    // Told to skip the fronts instead, it shows what is behind them.
+    glCullFace(GL_FRONT);
+    EXPECT_GT(shareElsewhere(exact, settledDepths(view)), 0.5);
+    glCullFace(GL_BACK);
+  }
+}
+
+class InsideOutTest : public DrawnLevelsTest {
+ protected:
+  InsideOutTest() { insideOut_ = true; }
+};
+
+TEST_F(InsideOutTest, AMeshWhoseBacksAreSeenIsDrawnWhole) {
+  looks_[1].visible = false;  // the gear, which is as it should be
+  for (const double yaw : {-1.0, 0.1, 0.9}) {
+    const View view = viewFrom(0.4, yaw);
+    EXPECT_LT(shareElsewhere(exactDepths(view), settledDepths(view)), 0.01);
+  }
 }
 
 TEST_F(DrawnLevelsTest, PicksTheExactSurface) {
