@@ -188,6 +188,8 @@ class SceneBuilder {
     std::vector<std::uint32_t> meshOf(meshes_.size(), kNone);
     partIds_.assign(plan_.parts.size(), kNoPart);
     whereOf_.resize(meshes_.size());
+    // A vector that grows copies its meshes: glm's vectors do not promise to move without throwing.
+    scene_.meshes.reserve(meshes_.size());
     for (std::size_t i = 0; i < plan_.parts.size(); ++i) {
       const PartPlan& plan = plan_.parts[i];
       if (plan.geometry != kNone && whereOf_[plan.geometry].empty()) whereOf_[plan.geometry] = plan.name;
