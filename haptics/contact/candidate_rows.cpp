@@ -57,7 +57,7 @@ void CandidateRows::addRows(std::uint32_t i, const glm::vec3& place, const Readi
 
 void CandidateRows::addFittedRows(std::uint32_t i, const glm::vec3& place, const Reading& read) {
   // What is outside is out of reach, wherever it is shifted within its own part.
-  shift_ = query_.fitShift(sampleAt(i));
+  shift_ = query_.fitShift(sampleAt(i), hint_);
   if (shift_ == glm::dvec3(0.0)) {
     addRows(i, place, read);
   } else {

@@ -109,6 +109,7 @@ class CandidateRows {
   const glm::quat turn_;             // target from samples
   const glm::mat3 rotation_;         // the same
   glm::dvec3 shift_{0.0, 0.0, 0.0};  // m, of the present sample by an interference fit, frame of the target
+  InterferenceFit::Hint hint_;       // of the sample before
   float allowed_ = 0.0f;             // m, depth that the present sample had at rest
   float clear_ = 0.0f;               // m, by which the present sample with its piece may move at least
   float deepest_ = 0.0f;             // m

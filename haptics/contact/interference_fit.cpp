@@ -45,14 +45,6 @@ bool surfaceNear(const PartModel& part, const glm::dvec3& p, double reach, Surfa
 
 }  // namespace
 
-InterferenceFit::Facing::Facing(const SampledModels& models, const ContactSample& sample, bool ofHollow)
-    : at(ofHollow ? sample.point : transformPoint(models.toFromSamples, sample.point)) {
-  for (const glm::dvec3& normal : models.from->samples.normals(sample)) {
-    if (directions.full()) return;
-    directions.push_back(ofHollow ? normal : -(models.toFromSamples.orientation * normal));
-  }
-}
-
 bool InterferenceFit::begin(const assets::Bounds& near) {
   points_.clear();
   cells_.clear();
@@ -178,24 +170,33 @@ float InterferenceFit::shareOf(const Four& points, const glm::vec3& at, const gl
   return std::max(std::max(lanes[0], lanes[1]), std::max(lanes[2], lanes[3]));
 }
 
-float InterferenceFit::shareAt(const glm::vec3& at, const glm::vec3& direction) const {
+float InterferenceFit::shareAt(const glm::vec3& at, const glm::vec3& direction, Hint& hint) const {
+  // The share is the largest of all points, and none is above 1.
+  if (hint.four < fours_.size() && shareOf(fours_[hint.four], at, direction) >= 1.0f) return 1.0f;
   const std::uint32_t number = cellOf(at);
   const auto before = [](const Cell& cell, std::uint32_t value) { return cell.cell < value; };
   const auto cell = std::lower_bound(cells_.begin(), cells_.end(), number, before);
   if (cell == cells_.end() || cell->cell != number) return 0.0f;
   float share = 0.0f;
-  for (std::uint32_t i = cell->first; i < cell->end && share < 1.0f; ++i)
+  for (std::uint32_t i = cell->first; i < cell->end && share < 1.0f; ++i) {
     share = std::max(share, shareOf(fours_[i], at, direction));
+    if (share >= 1.0f) hint.four = i;
+  }
   return share;
 }
 
-glm::dvec3 InterferenceFit::shiftOf(const Facing& sample) const {
+glm::dvec3 InterferenceFit::shiftOf(const SampledModels& models, const ContactSample& sample, bool ofHollow,
+                                    Hint& hint) const {
   glm::dvec3 shift(0.0);
-  const glm::dvec3 off = glm::max(glm::max(box_.min - sample.at, sample.at - box_.max), glm::dvec3(0.0));
+  const glm::dvec3 at = ofHollow ? sample.point : transformPoint(models.toFromSamples, sample.point);
+  const glm::dvec3 off = glm::max(glm::max(box_.min - at, at - box_.max), glm::dvec3(0.0));
   if (glm::dot(off, off) >= spacing_ * spacing_) return shift;
-  const glm::vec3 place(sample.at - origin_);
-  for (const glm::dvec3& direction : sample.directions) {
-    const auto share = static_cast<double>(shareAt(place, glm::vec3(direction)));
+  const glm::vec3 place(at - origin_);
+  const auto normals = models.from->samples.normals(sample);
+  for (const glm::dvec3& normal : normals.first(std::min(normals.size(), kMostNormals))) {
+    // Surfaces that the sample meets look in this direction.
+    const glm::dvec3 direction = ofHollow ? normal : -(models.toFromSamples.orientation * normal);
+    const auto share = static_cast<double>(shareAt(place, glm::vec3(direction), hint));
     const double more = share * depth_ - glm::dot(shift, direction);
     if (more > 0.0) shift += more * direction;
   }
@@ -203,9 +204,9 @@ glm::dvec3 InterferenceFit::shiftOf(const Facing& sample) const {
   return length > most ? most / length * shift : shift;
 }
 
-glm::dvec3 InterferenceFit::shift(const SampledModels& models, const ContactSample& sample,
-                                  bool ofHollow) const {
-  const glm::dvec3 shift = shiftOf({models, sample, ofHollow});
+glm::dvec3 InterferenceFit::shift(const SampledModels& models, const ContactSample& sample, bool ofHollow,
+                                  Hint& hint) const {
+  const glm::dvec3 shift = shiftOf(models, sample, ofHollow, hint);
   return ofHollow ? -(models.toFromSamples.orientation * shift) : shift;
 }
 

@@ -42,7 +42,16 @@ class InterferenceFit {
 
   /// The shift (m, frame of the target) that takes a sample's surfaces back from the wall, of the plug or of
   /// the wall itself, the hollow part's.
-  glm::dvec3 shift(const SampledModels& models, const ContactSample& sample, bool ofHollow) const;
+  glm::dvec3 shift(const SampledModels& models, const ContactSample& sample, bool ofHollow) const {
+    Hint none;
+    return shift(models, sample, ofHollow, none);
+  }
+  /// Points that faced one sample, and are likely to face its neighbours. Saves time and changes no shift.
+  struct Hint {
+    std::uint32_t four = 0;  // into fours_
+  };
+  /// The same with the hint of the last sample, which becomes that of this one.
+  glm::dvec3 shift(const SampledModels& models, const ContactSample& sample, bool ofHollow, Hint& hint) const;
   /// m, by which surfaces count as further back.
   double depth() const { return depth_; }
   void setDepth(double depth) { depth_ = depth; }
@@ -55,8 +64,8 @@ class InterferenceFit {
  private:
   static constexpr std::size_t kMaxEntries = 8 * kMaxPoints, kMaxCells = 256;
   static constexpr std::size_t kMaxFours = kMaxEntries / 4 + kMaxCells;
-  static constexpr std::size_t kMaxNormals = 16;  // of one sample
-  static constexpr double kWhole = 1.2;           // spacings from a point over which its depth holds
+  static constexpr std::size_t kMostNormals = 16;  // of one sample
+  static constexpr double kWhole = 1.2;            // spacings from a point over which its depth holds
 
   struct Point {
     glm::vec3 at{0.0f};      // m, from origin_
@@ -75,13 +84,6 @@ class InterferenceFit {
     std::uint32_t cell = 0, first = 0, end = 0;  // the number of the cell; its part of fours_
   };
 
-  /// A sample as the wall sees it: surfaces that it meets would look in these directions.
-  struct Facing {
-    Facing(const SampledModels& models, const ContactSample& sample, bool ofHollow);
-    glm::dvec3 at{0.0, 0.0, 0.0};  // m
-    FixedVector<glm::dvec3, kMaxNormals> directions;
-  };
-
   float reach() const { return static_cast<float>((kWhole + 1.0) * spacing_); }
   std::uint32_t cellOf(const glm::vec3& at) const;
   bool add(const Point& point);
@@ -93,11 +95,12 @@ class InterferenceFit {
   void addToCell(const Point& point, std::size_t among);
   /// The share of the depth by which a surface is taken back at a place where the wall would look in a
   /// direction.
-  float shareAt(const glm::vec3& at, const glm::vec3& direction) const;
+  float shareAt(const glm::vec3& at, const glm::vec3& direction, Hint& hint) const;
   /// The largest share that any of four points has in that.
   float shareOf(const Four& points, const glm::vec3& at, const glm::vec3& facing) const;
-  /// The shift of a sample of the plug, in the frame of the hollow part.
-  glm::dvec3 shiftOf(const Facing& sample) const;
+  /// The same in the frame of the hollow part, as if the sample were the plug's.
+  glm::dvec3 shiftOf(const SampledModels& models, const ContactSample& sample, bool ofHollow,
+                     Hint& hint) const;
 
   glm::dvec3 origin_{0.0, 0.0, 0.0};  // m
   double spacing_ = 0.0;              // m, between points at most

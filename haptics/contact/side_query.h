@@ -49,6 +49,10 @@ struct SideQuery : SampledModels {
   glm::dvec3 fitShift(const ContactSample& sample) const {
     return fit != nullptr ? fit->shift(*this, sample, sampledIsHollow) : glm::dvec3(0.0);
   }
+  /// The same with the hint of the last sample, which becomes that of this one.
+  glm::dvec3 fitShift(const ContactSample& sample, InterferenceFit::Hint& hint) const {
+    return fit != nullptr ? fit->shift(*this, sample, sampledIsHollow, hint) : glm::dvec3(0.0);
+  }
 
   const ContactPair& contactPair() const { return island->pair(pair); }
   const ContactBody& first() const { return island->first(contactPair()); }
