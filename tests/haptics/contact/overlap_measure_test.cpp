@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,9 +25,9 @@ using haptics::OverlapMeasure;
 struct Found {
   MeasuredOverlap overlap;
   bool fits = false;
-  double fitDepth = 0.0;           // m
-  std::vector<glm::dvec3> shifts;  // m, of the samples of the first part
-  int portions = 0, work = 0;      // work: of all portions
+  double fitDepth = 0.0;                   // m
+  std::vector<glm::dvec3> shifts, hinted;  // m, of the samples of the first part; each with the last hint
+  int portions = 0, work = 0;              // work: of all portions
 };
 
 /// The two parts of a scene with their models, of which one begins to move.
@@ -54,8 +56,11 @@ class Pairing {
     if (const haptics::InterferenceFit* const fit = measure.fit()) {
       found.fits = true;
       found.fitDepth = fit->depth();
-      for (const haptics::ContactSample& sample : pair_.first->samples.samples())
+      haptics::InterferenceFit::Hint hint;
+      for (const haptics::ContactSample& sample : pair_.first->samples.samples()) {
         found.shifts.push_back(fit->shift(pair_.side(true), sample, found.overlap.firstIsHollow));
+        found.hinted.push_back(fit->shift(pair_.side(true), sample, found.overlap.firstIsHollow, hint));
+      }
     }
     return found;
   }
@@ -129,6 +134,18 @@ TEST(OverlapMeasure, OfAPlugInItsSeatIsTheSameInPortions) {
   const Found seat = expectSameInPortions(Pairing(pegInItsBore(false)));
   EXPECT_TRUE(seat.fits);
   EXPECT_TRUE(seat.overlap.firstIsHollow);
+}
+
+TEST(OverlapMeasure, AHintChangesNoShiftOfAFit) {
+  for (const bool plugMoves : {true, false}) {
+    const Found found = Pairing(pegInItsBore(plugMoves)).measure(kAtOnce);
+    EXPECT_EQ(found.hinted, found.shifts);
+    // A hint that was believed of samples that do not face its points would shift these too.
+    const auto rests = [](const glm::dvec3& shift) { return shift == glm::dvec3(0.0); };
+    const auto resting = std::count_if(found.shifts.begin(), found.shifts.end(), rests);
+    EXPECT_GT(resting, 0);
+    EXPECT_LT(resting, static_cast<std::ptrdiff_t>(found.shifts.size()));
+  }
 }
 
 TEST(OverlapMeasure, OfDirtyMeshesIsTheSameInPortions) {
