@@ -83,7 +83,7 @@ class Rays {
       }
   }
 
-  /// By ray, then by depth: few crossings have the same ray.
+  /// Sorts the crossings by ray, by counting, and the few of each ray by their depth.
   void sortByRay() {
     std::vector<std::uint32_t> first(kRays * kRays + 1, 0);
     for (const Crossing& crossing : crossings_) ++first[crossing.ray + 1];

@@ -392,7 +392,7 @@ void SceneRenderer::drawSurface(const View& view, PartId part, const GpuMesh& me
     program.set("metallic", material.metallic);
     program.set("roughness", std::max(material.roughness, 0.2f));
   };
-  // A software renderer pays for each triangle, whether something hides it or not.
+  // Back-face culling: a software renderer sets up every triangle, even where a nearer one hides it.
   const bool skipsBacks = hidesBacks(view, part, mesh, worldFromPart) && look.alpha >= 1.0f;
   if (skipsBacks) glEnable(GL_CULL_FACE);
   const RenderRange* largest = nullptr;

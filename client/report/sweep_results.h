@@ -14,7 +14,7 @@
 
 namespace tandem::client::report {
 
-/// One experiment with all its settings.
+/// An experiment with the tool, and its measurements with each setting.
 struct ExperimentResult {
   ExperimentInfo info;
   std::size_t triangles = 0, parts = 0, ticks = 0;
@@ -23,7 +23,7 @@ struct ExperimentResult {
   std::vector<Measurement> settings;
 };
 
-/// One experiment with a part in the hand, with all its settings.
+/// An experiment with a part in the hand, and its measurements with each setting.
 struct PartExperimentResult {
   ExperimentInfo info;
   std::size_t triangles = 0, ticks = 0;
@@ -32,13 +32,13 @@ struct PartExperimentResult {
   std::vector<PartMeasurement> settings;
 };
 
-/// One setting over all presses of a family.
+/// The measurements of one setting over all pairs of a family that are pressed onto each other.
 struct PressMeasurement {
   PartMeasurement figures;
   int beyond = 0;  // presses that went deeper than is asked
 };
 
-/// Irregular parts of one family pressed onto each other, with all settings.
+/// Pairs of irregular parts of one family, pressed onto each other, and the measurements with each setting.
 struct PressResult {
   ExperimentInfo info;
   int presses = 0;
@@ -48,7 +48,7 @@ struct PressResult {
   std::vector<PressMeasurement> settings;
 };
 
-/// Two sites at one delay, with all settings.
+/// Two sites that hold one part across a delay, and the measurements with each setting.
 struct LinkExperimentResult {
   ExperimentInfo info;
   double delay = 0.0;  // s, one way

@@ -147,9 +147,9 @@ bool ProtocolSimulation::Run::mustBeServed(std::size_t site) const {
     bool contested = false;
     for (std::size_t other = 0; other < sites_.size() && way > kSharedWay; ++other)
       for (const Ask& rival : asksOf(sites_[other]->script()))
-        contested =
-            contested || (other != site && rival.part == ask.part && rival.from < ask.from + way + kTurns &&
-                          rival.until > ask.from - 2.0 * way - kTurns);
+        contested = contested || (other != site && rival.part == ask.part &&
+                                  rival.from < ask.from + way + kTurns &&
+                                  rival.until > ask.from - 2.0 * way - kTurns);
     if (!contested) return true;
   }
   return false;

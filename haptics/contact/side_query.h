@@ -47,7 +47,8 @@ struct SideQuery : SampledModels {
   double allowed(const ContactSample& sample) const;
   /// The shift (m, frame of the target) by which an interference fit takes the sample back; zero without one.
   glm::dvec3 fitShift(const ContactSample& sample) const {
-    return fit != nullptr ? fit->shift(*this, sample, sampledIsHollow) : glm::dvec3(0.0);
+    InterferenceFit::Hint none;
+    return fitShift(sample, none);
   }
   /// The same with the hint of the last sample, which becomes that of this one.
   glm::dvec3 fitShift(const ContactSample& sample, InterferenceFit::Hint& hint) const {

@@ -119,7 +119,8 @@ struct Tie {
   double weight = 0.0;  // N, of the replica here
 };
 
-/// What is left of a spring, 0..1, of which so much is asked, 1 at the limit of its force.
+/// The share of its stiffness, 0..1, that a spring keeps where its force would be `asked` times its limit. It
+/// is the kinked law at `rounded` 0 and the rounded one at 1.
 double limitedShare(double asked, double rounded) {
   const double kinked = std::min(1.0, 1.0 / std::max(asked, 1e-300));
   const double round = 1.0 / std::sqrt(1.0 + asked * asked);
@@ -133,8 +134,9 @@ double limitedShare(double asked, double rounded) {
 /// that, and the part's weight, which the hand need not feel: it is linear up to the limit, then of constant
 /// force (Huber's function as its potential), so it stores what the hand has paid.
 ///
-/// The same holds for the torque, and there for spring and damper together: a device without torque turns for
-/// nothing, as fast as the person wills, and is taken for a hand that turns no harder than the torque limit.
+/// The same holds for the torque, and there for spring and damper together. On a device that drives no torque
+/// a person turns as far and as fast as they like and feels nothing of it. The torque limit then stands for
+/// what such a hand may put on the part.
 ///
 /// Where others are far, a pushed row yields long before their resistance comes back, and runs after the hand
 /// while the spring is beyond its limit. The kink of the force would then be a step to the hand, so it is
@@ -147,9 +149,9 @@ Coupling couplingOf(Grip& grip, const HandPull& hand, const RigidBody& body, con
   grip.damped = std::min(1.0, grip.damped + dt / kDampingTime);
   gains.damping *= grip.damped;
   gains.rotDamping *= grip.damped;
-  const Coupling whole{grip.bodyFromGrip, device.worldFromDevice, device.twist, gains};
+  Coupling coupling{grip.bodyFromGrip, device.worldFromDevice, device.twist, gains};
   const bool mayBeLimited = tie.tied || grip.limited || grip.rounded > 0.0;
-  if (!mayBeLimited || !(hand.forceLimit > 0.0)) return whole;
+  if (!mayBeLimited || !(hand.forceLimit > 0.0)) return coupling;
   const Pose worldFromGrip = body.worldFromBody * grip.bodyFromGrip;
   const double gap = glm::length(device.worldFromDevice.position - worldFromGrip.position);
   const glm::dvec3 angle =
@@ -158,18 +160,18 @@ Coupling couplingOf(Grip& grip, const HandPull& hand, const RigidBody& body, con
       gains.rotStiffness * angle + gains.rotDamping * (device.twist.angular - body.twist.angular);
   const double arm =
       glm::length(worldFromGrip.position - transformPoint(body.worldFromBody, body.centreOfMass));
-  // 1: at the limit.
+  // Force and torque that are asked for, as shares of their limits.
   const double stretch = gains.stiffness * gap / (hand.forceLimit + tie.weight);
   const double twist = glm::length(torque) / (hand.torqueLimit + arm * tie.weight);
   const double most = std::max(stretch, twist);
   grip.limited = tie.tied || (grip.limited && most > 1.0);
   grip.rounded =
       tie.far ? std::min(1.0, grip.rounded + dt / kRoundingTime) : (most > kShort ? grip.rounded : 0.0);
-  if (!grip.limited && grip.rounded == 0.0) return whole;
-  Coupling coupling = whole;
+  if (!grip.limited && grip.rounded == 0.0) return coupling;
+  const double turningShare = limitedShare(twist, grip.rounded);
   coupling.gains.stiffness *= limitedShare(stretch, grip.rounded);
-  coupling.gains.rotStiffness *= limitedShare(twist, grip.rounded);
-  coupling.gains.rotDamping *= limitedShare(twist, grip.rounded);
+  coupling.gains.rotStiffness *= turningShare;
+  coupling.gains.rotDamping *= turningShare;
   return coupling;
 }
 

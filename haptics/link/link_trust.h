@@ -14,7 +14,8 @@
 //    taken for one.
 // 3. A torque counts as the force at the end of the part's lever, but of kLeastLever at least: a hand turns a
 //    small part as hard as a larger one.
-// 4. Nothing here makes energy: what counts of a wave is paid for as any wave (CoordinationLink::pay).
+// 4. Limiting creates no energy: what is let in of a wave is accounted for like any wave
+//    (CoordinationLink::pay).
 // 5. Nothing here allocates. The thread that ticks uses it.
 
 #include <algorithm>

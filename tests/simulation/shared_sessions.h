@@ -44,7 +44,8 @@ class SharedSession {
   std::shared_ptr<const Loaded> loaded_;
 };
 
-/// N: the largest change of a hand's force, N, a tick each, within the 20 ms that end with tick `i` < size.
+/// The largest change, N, of a force (N, world axes, one entry for each tick of 1 ms) within the 20 ms that
+/// end with entry `i`.
 double changeIn20ms(std::span<const glm::dvec3> force, std::size_t i);
 
 /// How many sessions are drawn at random: TANDEM_SEEDS, or 1000.
