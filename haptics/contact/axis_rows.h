@@ -7,7 +7,7 @@
 // for that.
 
 #include "haptics/contact/contact_island.h"
-#include "haptics/contact/contact_rows.h"
+#include "haptics/solver/contact_rows.h"
 
 namespace tandem::haptics {
 

@@ -5,8 +5,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "haptics/contact/patch_touch.h"
-#include "haptics/contact/piece_clearance.h"
+#include "haptics/touch/patch_touch.h"
+#include "haptics/touch/piece_clearance.h"
 
 namespace tandem::haptics {
 namespace {

@@ -8,12 +8,12 @@
 
 #include <cstdint>
 
-#include "haptics/contact/contact_rows.h"
-#include "haptics/contact/counted_work.h"
 #include "haptics/contact/due_samples.h"
-#include "haptics/contact/sample_memory.h"
 #include "haptics/contact/side_clocks.h"
 #include "haptics/contact/side_query.h"
+#include "haptics/fit/counted_work.h"
+#include "haptics/solver/contact_rows.h"
+#include "haptics/touch/sample_memory.h"
 
 namespace tandem::haptics {
 

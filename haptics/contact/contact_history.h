@@ -14,8 +14,8 @@
 #include "haptics/base/fault.h"
 #include "haptics/base/fixed_vector.h"
 #include "haptics/contact/contact_island.h"
-#include "haptics/contact/contact_rows.h"
-#include "haptics/contact/contact_solver.h"
+#include "haptics/solver/contact_rows.h"
+#include "haptics/solver/contact_solver.h"
 
 namespace tandem::haptics {
 

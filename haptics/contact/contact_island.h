@@ -13,9 +13,9 @@
 #include "haptics/base/fault.h"
 #include "haptics/base/fixed_vector.h"
 #include "haptics/contact/moving_part.h"
-#include "haptics/contact/step_space.h"
 #include "haptics/scene/contact_world.h"
 #include "haptics/scene/part_model.h"
+#include "haptics/solver/step_space.h"
 
 namespace tandem::haptics {
 

@@ -15,14 +15,14 @@
 #include "haptics/base/fault.h"
 #include "haptics/contact/contact_history.h"
 #include "haptics/contact/contact_island.h"
-#include "haptics/contact/contact_rows.h"
-#include "haptics/contact/contact_solver.h"
-#include "haptics/contact/counted_work.h"
 #include "haptics/contact/moving_part.h"
 #include "haptics/contact/overlaps.h"
 #include "haptics/contact/part_joints.h"
 #include "haptics/contact/sample_refiner.h"
 #include "haptics/contact/side_clocks.h"
+#include "haptics/fit/counted_work.h"
+#include "haptics/solver/contact_rows.h"
+#include "haptics/solver/contact_solver.h"
 
 namespace tandem::haptics {
 

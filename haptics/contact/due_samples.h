@@ -3,9 +3,9 @@
 // The samples of a side whose time has come (side_clocks.h), by the tree of balls. For the files of this room
 // only.
 
-#include "haptics/contact/counted_work.h"
-#include "haptics/contact/near_samples.h"
 #include "haptics/contact/side_clocks.h"
+#include "haptics/fit/counted_work.h"
+#include "haptics/touch/near_samples.h"
 
 namespace tandem::haptics {
 

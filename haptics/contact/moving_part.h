@@ -10,8 +10,8 @@
 #include "haptics/base/fault.h"
 #include "haptics/base/fixed_vector.h"
 #include "haptics/body/virtual_coupling.h"
-#include "haptics/contact/contact_rows.h"
 #include "haptics/scene/contact_world.h"
+#include "haptics/solver/contact_rows.h"
 
 namespace tandem::haptics {
 

@@ -20,9 +20,9 @@
 #include "haptics/base/fault.h"
 #include "haptics/base/fixed_vector.h"
 #include "haptics/contact/contact_island.h"
-#include "haptics/contact/contact_rows.h"
-#include "haptics/contact/interference_fit.h"
-#include "haptics/contact/overlap_measure.h"
+#include "haptics/fit/interference_fit.h"
+#include "haptics/fit/overlap_measure.h"
+#include "haptics/solver/contact_rows.h"
 
 namespace tandem::haptics {
 

@@ -11,7 +11,7 @@
 
 #include "haptics/base/fault.h"
 #include "haptics/contact/contact_island.h"
-#include "haptics/contact/joint_rows.h"
+#include "haptics/solver/joint_rows.h"
 
 namespace tandem::haptics {
 

@@ -21,10 +21,10 @@
 #include "haptics/base/fixed_vector.h"
 #include "haptics/contact/contact_island.h"
 #include "haptics/contact/contact_step.h"
-#include "haptics/contact/counted_work.h"
-#include "haptics/contact/overlap_measure.h"
 #include "haptics/contact/overlaps.h"
 #include "haptics/contact/pair_finder.h"
+#include "haptics/fit/counted_work.h"
+#include "haptics/fit/overlap_measure.h"
 
 namespace tandem::haptics {
 

@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "haptics/base/fixed_vector.h"
-#include "haptics/contact/sample_descent.h"
+#include "haptics/touch/sample_descent.h"
 
 namespace tandem::haptics {
 namespace {

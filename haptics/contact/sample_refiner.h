@@ -11,12 +11,12 @@
 #include "haptics/base/fault.h"
 #include "haptics/contact/contact_island.h"
 #include "haptics/contact/overlaps.h"
-#include "haptics/contact/row_refiner.h"
-#include "haptics/contact/sample_descent.h"
-#include "haptics/contact/sample_memory.h"
-#include "haptics/contact/seat_memory.h"
 #include "haptics/contact/side_query.h"
-#include "haptics/contact/touching_feature.h"
+#include "haptics/solver/row_refiner.h"
+#include "haptics/touch/sample_descent.h"
+#include "haptics/touch/sample_memory.h"
+#include "haptics/touch/seat_memory.h"
+#include "haptics/touch/touching_feature.h"
 
 namespace tandem::haptics {
 
@@ -62,8 +62,6 @@ class SampleRefiner final : public RowRefiner {
   /// The deepest place near a sample that has been found to touch at `found`: known or newly descended to.
   Seat seatOf(const SideQuery& query, const ContactSample& sample, const SampleQuery& sampleQuery,
               std::uint32_t hint, const TouchingFeature& found);
-  /// The sample's last seat while the target, in the direction `up`, touches it from the same side; null
-  /// otherwise.
   /// Whether a sample at `place` (m, relative to the origin of the target's field) goes by `motion` through a
   /// plane of its last answer.
   static bool entersPlanes(const SideQuery& query, const SampleAnswer& answer, const glm::vec3& place,
@@ -72,6 +70,8 @@ class SampleRefiner final : public RowRefiner {
   bool entersAt(const SideQuery& query, const KnownSeat& known, const Displacement& u) const;
   /// The sample's last seat while its part has moved little before the target; null otherwise.
   const KnownSeat* recallNear(const SideQuery& query, const ContactSample& sample) const;
+  /// The sample's last seat while the target, in the direction `up`, touches it from the same side; null
+  /// otherwise.
   const KnownSeat* recall(const SideQuery& query, const ContactSample& sample, const SampleQuery& sampleQuery,
                           const glm::dvec3& up) const;
   void note(const SideQuery& query, const ContactSample& sample, const SampleQuery& sampleQuery,

@@ -12,7 +12,7 @@
 
 #include "haptics/contact/contact_island.h"
 #include "haptics/contact/overlaps.h"
-#include "haptics/contact/sample_touch.h"
+#include "haptics/touch/sample_touch.h"
 
 namespace tandem::haptics {
 

@@ -12,6 +12,8 @@
 
 #include "assets/base/assert.h"
 #include "haptics/geometry/border_pairs.h"
+#include "haptics/geometry/segment.h"
+#include "haptics/geometry/triangle_bvh.h"
 
 namespace tandem::haptics {
 namespace {
@@ -176,6 +178,20 @@ double MeshEdges::sharpSpacing(double cube) const {
 std::size_t MeshEdges::memory() const {
   return kept_.size() * sizeof(Kept) + (normals_.size() + backs_.size()) * sizeof(glm::dvec3) +
          (first_.size() + around_.size()) * sizeof(std::uint32_t);
+}
+
+bool isBehind(const MeshEdges& edges, const MeshPoint& nearest, const glm::dvec3& p) {
+  const glm::dvec3 off = p - nearest.point;
+  if (glm::dot(edges.normal(nearest.triangle), off) >= 0.0) return false;
+  if (nearest.onFace) return true;
+  const double near = 1e-6 * nearest.distance;
+  for (const std::uint32_t i : edges.around(nearest.triangle)) {
+    const MeshEdge edge = edges.edge(i);
+    if (glm::length(nearest.point - closestPointOnSegment(nearest.point, edge.a, edge.b)) > near) continue;
+    for (const glm::dvec3& normal : edge.normals)
+      if (glm::dot(normal, off) >= 0.0) return false;
+  }
+  return true;
 }
 
 }  // namespace tandem::haptics

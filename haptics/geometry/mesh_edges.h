@@ -19,6 +19,8 @@
 
 namespace tandem::haptics {
 
+struct MeshPoint;
+
 /// An edge between two faces, or at the border of one.
 struct MeshEdge {
   glm::dvec3 a{0.0, 0.0, 0.0}, b{0.0, 0.0, 0.0};  // m
@@ -87,5 +89,9 @@ class MeshEdges {
           kept.angle,
           kept.border};
 }
+
+/// Whether p is behind the surface at the surface's nearest point. On an edge or in a corner p must be behind
+/// every face that meets there, because before a sharp edge one face alone may be wrong.
+bool isBehind(const MeshEdges& edges, const MeshPoint& nearest, const glm::dvec3& p);
 
 }  // namespace tandem::haptics

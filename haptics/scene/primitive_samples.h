@@ -2,7 +2,7 @@
 
 // Contact samples of implicit shapes: edges and corners of boxes and planes as of a mesh, and patches on
 // round surfaces, a few hundred a shape. The contact point within a patch is found exactly
-// (haptics/contact/patch_touch.h), so the number of patches limits how many places of a round surface touch
+// (haptics/touch/patch_touch.h), so the number of patches limits how many places of a round surface touch
 // at once, not the accuracy.
 
 #include <span>

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "haptics/measure/touching_height.h"
-#include "tests/haptics/contact/irregular_shapes.h"
 #include "tests/haptics/contact/part_contact_case.h"
+#include "tests/support/irregular_shapes.h"
 
 namespace tandem::test {
 namespace {

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "assets/gltf/load_gltf.h"
-#include "haptics/contact/touching_feature.h"
+#include "haptics/touch/touching_feature.h"
 #include "tests/haptics/contact/part_contact_case.h"
 #include "tests/support/soup_builder.h"
 

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "haptics/contact/counted_work.h"
+#include "haptics/fit/counted_work.h"
 #include "haptics/scene/contact_scene_data.h"
 #include "haptics/scene/model_bake.h"
 #include "tests/haptics/contact/moving_rig.h"

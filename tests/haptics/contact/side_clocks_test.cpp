@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "haptics/contact/due_samples.h"
-#include "haptics/contact/sample_memory.h"
 #include "haptics/contact/side_clocks.h"
-#include "tests/haptics/contact/irregular_shapes.h"
+#include "haptics/touch/sample_memory.h"
+#include "tests/support/irregular_shapes.h"
 #include "tests/support/part_cases.h"
 #include "tests/support/shapes.h"
 

@@ -11,13 +11,13 @@
 
 #include <glm/geometric.hpp>
 
-#include "haptics/contact/patch_touch.h"
 #include "haptics/geometry/primitive_distance.h"
 #include "haptics/geometry/triangle_bvh.h"
 #include "haptics/scene/contact_patch.h"
 #include "haptics/scene/contact_samples.h"
 #include "haptics/scene/distance_field.h"
 #include "haptics/scene/implicit_mesh.h"
+#include "haptics/touch/patch_touch.h"
 
 namespace tandem::test {
 namespace {

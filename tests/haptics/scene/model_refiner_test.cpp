@@ -15,9 +15,9 @@
 #include "haptics/scene/contact_scene_data.h"
 #include "haptics/scene/model_bake.h"
 #include "haptics/scene/model_refiner.h"
-#include "tests/haptics/contact/irregular_shapes.h"
 #include "tests/support/full_size.h"
 #include "tests/support/held_part_rig.h"
+#include "tests/support/irregular_shapes.h"
 
 namespace tandem::test {
 namespace {
