@@ -13,6 +13,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <system_error>
 
@@ -164,6 +165,23 @@ Result<Server> prepare(Options& options, int& exitCode) {
                 std::move(*transport), std::move(*journal), std::move(recording), session};
 }
 
+/// Says what reading the scene found that may be wrong: of the whole scene in words, of single meshes how many.
+void logFindings(const assets::Scene& scene, const std::string& file) {
+  std::set<std::string> flawed;
+  for (const assets::Finding& finding : scene.findings) {
+    if (finding.severity == assets::Finding::Severity::note) continue;
+    if (finding.where.empty())
+      spdlog::warn("{}: {} ({})", file, finding.message, finding.count);
+    else
+      flawed.insert(finding.where);
+  }
+  if (flawed.size() == 1)
+    spdlog::warn("{}: the mesh of {} has flaws, which `tandem check` lists", file, *flawed.begin());
+  if (flawed.size() > 1)
+    spdlog::warn("{}: {} meshes, that of {} among them, have flaws, which `tandem check` lists", file,
+                 flawed.size(), *flawed.begin());
+}
+
 /// A session of many sites needs more descriptors than most systems give a process at first.
 void raiseFileLimit() {
   rlimit limit{};
@@ -221,6 +239,7 @@ int run(Options& options) {
     spdlog::warn("{}: nothing in it can be taken; --movable all or NAME lets it", options.scene);
   if (const std::string doubt = assets::unitDoubt(server.scene, options.units); !doubt.empty())
     spdlog::warn("{}: {}", options.scene, doubt);
+  logFindings(server.scene, options.scene);
   Invitations invitations(options, host, server.transport->port(), *pin);
   invitations.open(session, systemUnixTime());
   (*operation)->ready(session);

@@ -249,6 +249,7 @@ def check_server(importer):
     for _ in range(2):
         done = serve(step)
         expect(done.returncode == 0 and "3 parts (3 movable)" in done.stderr, f"server: {done.stderr}")
+        expect("onstruction" in done.stderr, f"server: does not say what the import found: {done.stderr}")
     cached = list((importer.folder / "cache" / "tandem").glob("import-*/*.glb"))
     expect(len(cached) == 1, f"server: cached imports: {cached}")
     bad = importer.folder / "text.step"
