@@ -8,7 +8,7 @@
 
 namespace tandem::assets {
 
-/// What a file is that does not begin like glTF, and what helps: by its first bytes, or by the end of its
+/// What a file is that does not begin like glTF, and what helps: by its beginning, or by the end of its
 /// name. Nothing for what begins like glTF, and for an empty file.
 std::optional<std::string> foreignFile(const std::string& path, std::span<const unsigned char> file);
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <memory>
+#include <utility>
 
 #include <draco/compression/decode.h>
 #include <meshoptimizer.h>
@@ -20,7 +20,7 @@ constexpr std::size_t kMaxDracoFacesPerByte = 256;
 
 std::size_t fileBytes(const GltfDocument& document) {
   std::size_t size = document.file.size();
-  for (const ByteView& external : document.externals) size += external.size();
+  for (const GltfSource* external : document.externals) size += external->size();
   return size;
 }
 
@@ -41,24 +41,23 @@ std::size_t componentSize(int componentType, const std::string& place) {
 
 /// Elements at a stride inside checked bytes.
 struct Elements {
-  const unsigned char* data = nullptr;
+  GltfPiece data;  // from the first element to the last; nothing for those that are all zero
   std::size_t count = 0, stride = 0;
-  std::unique_ptr<Bytes> owned;  // holds the data of sparse accessors
 
-  const unsigned char* at(std::size_t i) const { return data + i * stride; }
+  const unsigned char* at(std::size_t i) const { return data.view().data() + i * stride; }
 };
 
 /// `count` elements from `offset` of a view; a stride of 0 means tightly packed.
-Elements elementsIn(ByteView view, std::size_t offset, std::size_t count, std::size_t stride,
+Elements elementsIn(const GltfRange& view, std::size_t offset, std::size_t count, std::size_t stride,
                     std::size_t size, const std::string& place) {
   if (stride == 0) stride = size;
   if (stride < size) throw GltfError(place, "the stride is smaller than an element");
   // All factors are below 2^31, so the product cannot wrap.
-  if (count > 0 && (offset > view.size() || (count - 1) * stride + size > view.size() - offset))
+  if (count > 0 && (offset > view.size || (count - 1) * stride + size > view.size - offset))
     throw GltfError(place, std::to_string(count) + " elements do not fit into its buffer view of " +
-                               std::to_string(view.size()) + " bytes");
+                               std::to_string(view.size) + " bytes");
   Elements elements;
-  elements.data = count > 0 ? view.data() + offset : nullptr;
+  if (count > 0) elements.data = view.read(offset, (count - 1) * stride + size);
   elements.count = count;
   elements.stride = stride;
   return elements;
@@ -79,22 +78,21 @@ void applySparse(const GltfDocument& document, std::size_t index, std::size_t si
   if (sparse.indicesComponentType == kComponentFloat)
     throw GltfError(place + ".indices", "must be unsigned integers");
   const std::size_t indexSize = componentSize(sparse.indicesComponentType, place + ".indices.componentType");
-  const Elements indices = elementsIn(viewBytes(document, sparse.indicesView), sparse.indicesOffset, count, 0,
+  const Elements indices = elementsIn(viewRange(document, sparse.indicesView), sparse.indicesOffset, count, 0,
                                       indexSize, place + ".indices");
-  const Elements values = elementsIn(viewBytes(document, sparse.valuesView), sparse.valuesOffset, count, 0,
+  const Elements values = elementsIn(viewRange(document, sparse.valuesView), sparse.valuesOffset, count, 0,
                                      size, place + ".values");
-  auto dense = std::make_unique<Bytes>(base.count * size, 0);
-  if (base.data != nullptr)
-    for (std::size_t i = 0; i < base.count; ++i) std::memcpy(dense->data() + i * size, base.at(i), size);
+  Bytes dense(base.count * size, 0);
+  if (!base.data.view().empty())
+    for (std::size_t i = 0; i < base.count; ++i) std::memcpy(dense.data() + i * size, base.at(i), size);
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t target = readUnsigned(indices.at(i), indexSize);
     if (target >= base.count)
       throw GltfError(place + ".indices", "index " + std::to_string(target) + " is out of range");
-    std::memcpy(dense->data() + target * size, values.at(i), size);
+    std::memcpy(dense.data() + target * size, values.at(i), size);
   }
-  base.data = dense->data();
+  base.data = GltfPiece(std::move(dense));
   base.stride = size;
-  base.owned = std::move(dense);
 }
 
 /// The elements of an accessor of `components` numbers each, with its sparse elements replaced.
@@ -107,7 +105,7 @@ Elements accessorElements(const GltfDocument& document, std::size_t index, GltfA
   Elements elements;
   if (accessor.bufferView >= 0) {
     const auto view = static_cast<std::size_t>(accessor.bufferView);
-    elements = elementsIn(viewBytes(document, view), accessor.byteOffset, accessor.count,
+    elements = elementsIn(viewRange(document, view), accessor.byteOffset, accessor.count,
                           document.model.bufferViews[view].byteStride, size, place);
   } else {
     // These elements are zeros without bytes in the file, so their count needs a separate bound.
@@ -186,12 +184,12 @@ Bytes decodeMeshopt(const GltfDocument& document, const Json& extension, std::si
   constexpr std::size_t kMax = std::numeric_limits<std::int32_t>::max();
   const std::size_t bufferIndex = wholeIn(extension, "buffer", place, true, kMax);
   if (bufferIndex >= document.buffers.size()) throw GltfError(place + ".buffer", "is out of range");
-  const ByteView buffer = document.buffers[bufferIndex];
+  const GltfRange& buffer = document.buffers[bufferIndex];
   const std::size_t offset = wholeIn(extension, "byteOffset", place, false, kMax);
   const std::size_t length = wholeIn(extension, "byteLength", place, true, kMax);
   const std::size_t stride = wholeIn(extension, "byteStride", place, true, 256);
   const std::size_t count = wholeIn(extension, "count", place, true, kMax);
-  if (offset > buffer.size() || length > buffer.size() - offset)
+  if (offset > buffer.size || length > buffer.size - offset)
     throw GltfError(place, "reaches past the end of its buffer");
   if (count * stride != viewLength)
     throw GltfError(place, "count times byteStride is not the view's byteLength");
@@ -200,7 +198,8 @@ Bytes decodeMeshopt(const GltfDocument& document, const Json& extension, std::si
   const std::string mode = textOr(extension.member("mode"), "");
   const std::string filter = textOr(extension.member("filter"), "NONE");
   Bytes out(viewLength);
-  const unsigned char* in = buffer.data() + offset;
+  const GltfPiece compressed = buffer.read(offset, length);
+  const unsigned char* in = compressed.view().data();
   int failed = 1;
   if (mode == "ATTRIBUTES" && stride > 0 && stride % 4 == 0) {
     failed = meshopt_decodeVertexBuffer(out.data(), count, stride, in, length);
@@ -275,16 +274,16 @@ bool readDraco(const draco::Mesh& mesh, const draco::PointAttribute& attribute,
 
 }  // namespace
 
-ByteView viewBytes(const GltfDocument& document, std::size_t index) {
-  if (index < document.ownedViews.size() && !document.ownedViews[index].empty())
-    return document.ownedViews[index];
+GltfRange viewRange(const GltfDocument& document, std::size_t index) {
+  if (index < document.ownedViews.size() && document.ownedViews[index].size() > 0)
+    return {&document.ownedViews[index], 0, document.ownedViews[index].size()};
   const GltfBufferView& view = document.model.bufferViews[index];
-  const ByteView buffer = document.buffers[view.buffer];
-  if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset)
+  const GltfRange& buffer = document.buffers[view.buffer];
+  if (view.byteOffset > buffer.size || view.byteLength > buffer.size - view.byteOffset)
     throw GltfError(placeName("bufferViews", index),
                     "reaches past the end of its buffer (" + std::to_string(view.byteOffset) + " + " +
-                        std::to_string(view.byteLength) + " of " + std::to_string(buffer.size()) + " bytes)");
-  return buffer.subspan(view.byteOffset, view.byteLength);
+                        std::to_string(view.byteLength) + " of " + std::to_string(buffer.size) + " bytes)");
+  return {buffer.source, buffer.at + view.byteOffset, view.byteLength};
 }
 
 void decodeMeshoptViews(GltfDocument& document) {
@@ -294,8 +293,9 @@ void decodeMeshoptViews(GltfDocument& document) {
   for (std::size_t i = 0; i < count; ++i) {
     const Json& extension = findExtension(views.at(i), "EXT_meshopt_compression");
     if (extension.isAbsent()) continue;
-    document.ownedViews[i] = decodeMeshopt(document, extension, document.model.bufferViews[i].byteLength,
-                                           placeName("bufferViews", i, "EXT_meshopt_compression"));
+    document.ownedViews[i] =
+        GltfSource(decodeMeshopt(document, extension, document.model.bufferViews[i].byteLength,
+                                 placeName("bufferViews", i, "EXT_meshopt_compression")));
   }
 }
 
@@ -303,9 +303,9 @@ std::size_t elementCount(const GltfDocument& document, std::size_t index) {
   const GltfAccessor& accessor = document.model.accessors[index];
   // An element has at least one byte. Elements without a buffer view have none; they may not outnumber the
   // file's bytes.
-  const std::size_t available =
-      accessor.bufferView >= 0 ? viewBytes(document, static_cast<std::size_t>(accessor.bufferView)).size()
-                               : fileBytes(document);
+  const std::size_t available = accessor.bufferView >= 0
+                                    ? viewRange(document, static_cast<std::size_t>(accessor.bufferView)).size
+                                    : fileBytes(document);
   if (accessor.count > available)
     throw GltfError(
         placeName("accessors", index),
@@ -403,7 +403,9 @@ DracoMesh decodeDraco(const GltfDocument& document, const Json& extension, const
   const Json& attributes = extension.member("attributes");
   if (!attributes.isObject()) throw GltfError(place + ".attributes", "is missing");
   const std::size_t positionId = wholeIn(attributes, "POSITION", place + ".attributes", true, kMax);
-  const ByteView bytes = viewBytes(document, view);
+  const GltfRange range = viewRange(document, view);
+  const GltfPiece compressed = range.read(0, range.size);
+  const ByteView bytes = compressed.view();
   checkDracoHeader(bytes, place);
 
   draco::DecoderBuffer buffer;

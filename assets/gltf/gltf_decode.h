@@ -29,8 +29,8 @@ std::vector<glm::dvec3> readPositions(const GltfDocument& document, std::size_t 
 /// the accessor is not one that glTF allows for normals.
 std::vector<glm::dvec3> readNormals(const GltfDocument& document, std::size_t accessor, std::size_t count);
 
-/// The bytes of a buffer view after decompression, within a checked range.
-ByteView viewBytes(const GltfDocument& document, std::size_t view);
+/// Where the bytes of a buffer view lie after decompression, within a checked range.
+GltfRange viewRange(const GltfDocument& document, std::size_t view);
 
 /// A VEC2 accessor as finite texture coordinates: floats, or integers, normalised or not.
 std::vector<glm::vec2> readTexCoords(const GltfDocument& document, std::size_t accessor);

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <limits>
 #include <optional>
 
 #include "assets/gltf/embedded_data.h"
@@ -13,9 +11,9 @@
 namespace tandem::assets {
 namespace {
 
-constexpr std::uintmax_t kMaxFileBytes = std::numeric_limits<std::int32_t>::max();
 constexpr std::size_t kMaxTextBytes = 200;
-constexpr double kJsonShare = 0.05;  // of the progress of loading
+constexpr double kJsonShare = 0.05;    // of the progress of loading
+constexpr std::size_t kMostOpen = 64;  // files of buffers; a process has a thousand descriptors by default
 
 std::string inMebibytes(std::size_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20); }
 
@@ -26,28 +24,29 @@ std::uint32_t readU32(ByteView bytes, std::size_t at) {
 }
 
 struct Container {
-  std::string_view json;
-  ByteView binary;
+  GltfRange json, binary;
   bool hasBinary = false;
 };
 
-Container splitGlb(ByteView file) {
+Container splitGlb(const GltfSource& file) {
   if (file.size() < 20) throw GltfError("header", "the file is truncated");
-  if (readU32(file, 4) != 2)
-    throw GltfError("header", "version " + std::to_string(readU32(file, 4)) + " is not glTF 2.0");
-  const std::size_t length = readU32(file, 8);
+  const GltfPiece header = file.read(0, 12);
+  if (const std::uint32_t version = readU32(header.view(), 4); version != 2)
+    throw GltfError("header", "version " + std::to_string(version) + " is not glTF 2.0");
+  const std::size_t length = readU32(header.view(), 8);
   if (length > file.size())
     throw GltfError("header", "the file is truncated: " + std::to_string(file.size()) + " of " +
                                   std::to_string(length) + " bytes");
   Container container;
   for (std::size_t at = 12; at + 8 <= length;) {
-    const std::size_t size = readU32(file, at);
-    const std::uint32_t type = readU32(file, at + 4);
+    const GltfPiece start = file.read(at, 8);
+    const std::size_t size = readU32(start.view(), 0);
+    const std::uint32_t type = readU32(start.view(), 4);
     if (size > length - at - 8)
       throw GltfError("chunk at byte " + std::to_string(at), "reaches past the file's end");
-    const ByteView chunk = file.subspan(at + 8, size);
+    const GltfRange chunk{&file, at + 8, size};
     if (at == 12 && type != 0x4E4F534A) throw GltfError("header", "the first chunk is not JSON");
-    if (at == 12) container.json = {reinterpret_cast<const char*>(chunk.data()), chunk.size()};
+    if (at == 12) container.json = chunk;
     if (at != 12 && type == 0x004E4942 && !container.hasBinary) {
       container.binary = chunk;
       container.hasBinary = true;
@@ -57,11 +56,11 @@ Container splitGlb(ByteView file) {
   return container;
 }
 
-Container splitContainer(ByteView file) {
-  if (file.size() >= 4 && std::memcmp(file.data(), "glTF", 4) == 0) return splitGlb(file);
-  if (file.empty()) throw GltfError("file", "is empty");
+Container splitContainer(const GltfSource& file) {
+  if (file.size() >= 4 && std::memcmp(file.read(0, 4).view().data(), "glTF", 4) == 0) return splitGlb(file);
+  if (file.size() == 0) throw GltfError("file", "is empty");
   Container container;
-  container.json = {reinterpret_cast<const char*>(file.data()), file.size()};
+  container.json = {&file, 0, file.size()};
   return container;
 }
 
@@ -94,7 +93,9 @@ std::filesystem::path externalPath(const std::string& uri, const std::string& di
   return std::filesystem::path(directory) / relative;
 }
 
-Json readJson(std::string_view text, const LoadOptions& options) {
+Json readJson(const GltfRange& range, const LoadOptions& options) {
+  const GltfPiece piece = range.read(0, range.size);
+  const std::string_view text(reinterpret_cast<const char*>(piece.view().data()), piece.view().size());
   if (text.size() > options.maxJsonBytes) {
     if (const std::size_t bytes = Json::structureBytes(text); bytes > options.maxJsonBytes)
       throw GltfError("json", "has " + inMebibytes(bytes) + " MiB without long texts; at most " +
@@ -129,22 +130,23 @@ void openBuffer(GltfDocument& document, const Container& container, std::size_t 
       throw GltfError(place, "has neither a uri nor a binary chunk");
   } else {
     const std::string& uri = statedUri.text();
-    Bytes& owned = document.ownedBuffers[i];
+    GltfSource& owned = document.ownedBuffers[i];
     if (uri.compare(0, 5, "data:") == 0) {
       std::optional<Bytes> bytes = decodeDataUri(uri);
       if (!bytes) throw GltfError(place + ".uri", "the data URI cannot be decoded");
-      owned = std::move(*bytes);
+      owned = GltfSource(std::move(*bytes));
     } else {
       if (directory == nullptr) throw GltfError(place + ".uri", "external files cannot be read from here");
-      owned = readWholeFile(externalPath(uri, *directory, place + ".uri").string(), place + ".uri");
-      document.externals.push_back(owned);
+      const bool keepOpen = document.externals.size() < kMostOpen;
+      owned = GltfSource(externalPath(uri, *directory, place + ".uri").string(), place + ".uri", keepOpen);
+      document.externals.push_back(&owned);
     }
-    document.buffers[i] = owned;
+    document.buffers[i] = {&owned, 0, owned.size()};
   }
-  if (document.buffers[i].size() < length)
-    throw GltfError(place, "holds " + std::to_string(document.buffers[i].size()) + " of its " +
+  if (document.buffers[i].size < length)
+    throw GltfError(place, "holds " + std::to_string(document.buffers[i].size) + " of its " +
                                std::to_string(length) + " bytes");
-  document.buffers[i] = document.buffers[i].first(length);
+  document.buffers[i].size = length;
 }
 
 }  // namespace
@@ -166,22 +168,6 @@ std::string cleanText(std::string text) {
   return text;
 }
 
-Bytes readWholeFile(const std::string& path, const std::string& place) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) throw GltfError(place, "'" + path + "' does not exist");
-  if (!std::filesystem::is_regular_file(status))
-    throw GltfError(place, "'" + path + "' is not a regular file");
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) throw GltfError(place, "'" + path + "' cannot be read: " + error.message());
-  if (size > kMaxFileBytes) throw GltfError(place, "'" + path + "' is larger than 2 GiB");
-  Bytes bytes(size);
-  std::ifstream in(path, std::ios::binary);
-  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-  if (!in) throw GltfError(place, "'" + path + "' cannot be read");
-  return bytes;
-}
-
 std::vector<std::string> extensionNames(const GltfDocument& document, const char* key) {
   std::vector<std::string> names;
   const Json& list = document.json.member(key);
@@ -199,7 +185,13 @@ const Json& findExtension(const Json& object, const char* name) {
   return extension.isObject() ? extension : Json::absent();
 }
 
-void openGltf(Bytes file, const std::string* directory, const LoadOptions& options, GltfDocument& document) {
+void GltfDocument::requireUnchanged() const {
+  file.requireUnchanged();
+  for (const GltfSource* external : externals) external->requireUnchanged();
+}
+
+void openGltf(GltfSource file, const std::string* directory, const LoadOptions& options,
+              GltfDocument& document) {
   document.file = std::move(file);
   const Container container = splitContainer(document.file);
   document.json = readJson(container.json, options);

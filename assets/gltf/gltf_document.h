@@ -10,46 +10,43 @@
 // 4. A broken file is thrown as GltfError inside the loader, because it may be found ten calls deep and on
 //    any thread; the functions of load_gltf.h turn the exception into an Error.
 
-#include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "assets/base/json.h"
 #include "assets/gltf/gltf_error.h"
 #include "assets/gltf/gltf_model.h"
+#include "assets/gltf/gltf_source.h"
 #include "assets/gltf/load_gltf.h"
 
 namespace tandem::assets {
-
-using Bytes = std::vector<unsigned char>;
-using ByteView = std::span<const unsigned char>;
 
 /// Text of a file, fit to be shown on one line: cut to 200 bytes between characters, control characters
 /// replaced.
 std::string cleanText(std::string text);
 
-/// An opened file. Not movable: views point into it.
+/// An opened file. Not movable: ranges point into it.
 struct GltfDocument {
   GltfDocument() = default;
   GltfDocument(const GltfDocument&) = delete;
   GltfDocument& operator=(const GltfDocument&) = delete;
 
-  Bytes file;                       // the file itself
-  std::vector<Bytes> ownedBuffers;  // per buffer: from a data URI or a file of its own, else empty
-  std::vector<ByteView> buffers;    // per buffer: its byteLength bytes; empty for a meshopt fallback buffer
-  std::vector<ByteView> externals;  // buffers that came from files of their own, for the content hash
-  Json json;                        // the whole document; extensions and extras are read from here
-  GltfModel model;                  // the core sections; filled by readModel(), not by openGltf()
-  std::vector<Bytes> ownedViews;    // per buffer view: decompressed by meshopt, else empty
+  /// Throws GltfError if a file is no longer as it was opened.
+  void requireUnchanged() const;
+
+  GltfSource file;                       // the file itself
+  std::vector<GltfSource> ownedBuffers;  // per buffer: from a data URI or a file of its own, else empty
+  std::vector<GltfRange> buffers;  // per buffer: its byteLength bytes; empty for a meshopt fallback buffer
+  std::vector<const GltfSource*> externals;  // buffers that came from files of their own
+  Json json;                                 // the whole document; extensions and extras are read from here
+  GltfModel model;                           // the core sections; filled by readModel(), not by openGltf()
+  std::vector<GltfSource> ownedViews;        // per buffer view: decompressed by meshopt, else empty
 };
 
-/// Opens a file that is already in memory: .glb by its magic number, else .gltf. Fills all but the model.
-/// `directory` is where external buffers lie; a null pointer forbids them.
-void openGltf(Bytes file, const std::string* directory, const LoadOptions& options, GltfDocument& document);
-
-/// The whole content of a regular file below 2 GiB.
-Bytes readWholeFile(const std::string& path, const std::string& place);
+/// Opens a file: .glb by its magic number, else .gltf. Fills all but the model. `directory` is where external
+/// buffers lie; a null pointer forbids them.
+void openGltf(GltfSource file, const std::string* directory, const LoadOptions& options,
+              GltfDocument& document);
 
 /// Names of extensions, of the keys "extensionsUsed" or "extensionsRequired".
 std::vector<std::string> extensionNames(const GltfDocument& document, const char* key);

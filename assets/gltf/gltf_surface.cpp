@@ -179,8 +179,9 @@ std::optional<Bytes> imageBytes(const GltfDocument& document, const Json& image)
   const Json& view = image.member("bufferView");
   if (!view.isAbsent()) {
     if (!view.isNatural() || view.integer() >= document.model.bufferViews.size()) return std::nullopt;
-    const ByteView bytes = viewBytes(document, static_cast<std::size_t>(view.integer()));
-    return Bytes(bytes.begin(), bytes.end());
+    const GltfRange range = viewRange(document, static_cast<std::size_t>(view.integer()));
+    const GltfPiece bytes = range.read(0, range.size);
+    return Bytes(bytes.view().begin(), bytes.view().end());
   }
   const Json& uri = image.member("uri");
   return uri.isText() ? decodeDataUri(uri.text()) : std::nullopt;

@@ -44,6 +44,7 @@ bool isKnown(const std::string& extension) {
 }
 
 constexpr std::size_t kMostTolerances = 2000;  // of a scene, that are shown
+constexpr std::size_t kBeginning = 4096;       // bytes of a file, by which it is told what it is
 
 /// The mesh of one distinct geometry while it is being built.
 struct Analysed {
@@ -484,8 +485,10 @@ Error oneLine(std::string message) {
 void openFromDisk(const std::string& path, const LoadOptions& options, GltfDocument& document) {
   const std::string directory = std::filesystem::path(path).parent_path().string();
   const std::string base = directory.empty() ? "." : directory;
-  Bytes file = readWholeFile(path, "file");
-  if (const std::optional<std::string> foreign = foreignFile(path, file)) throw GltfError("file", *foreign);
+  GltfSource file(path, "file");
+  const GltfPiece beginning = file.read(0, std::min(file.size(), kBeginning));
+  if (const std::optional<std::string> foreign = foreignFile(path, beginning.view()))
+    throw GltfError("file", *foreign);
   openGltf(std::move(file), &base, options, document);
 }
 
@@ -496,6 +499,7 @@ Scene buildScene(const std::string& name, GltfDocument& document, const LoadOpti
   document.model = readModel(document.json);
   decodeMeshoptViews(document);
   Scene scene = SceneBuilder(document, options).build();
+  document.requireUnchanged();
   scene.name = cleanText(name);
   if (options.progress) options.progress(1.0, "done");
   return scene;
@@ -535,7 +539,7 @@ Result<Scene> loadGltfFromMemory(const std::string& name, const std::vector<unsi
                                  const LoadOptions& options) {
   try {
     GltfDocument document;
-    openGltf(bytes, nullptr, options, document);
+    openGltf(GltfSource(bytes), nullptr, options, document);
     return buildScene(name, document, options);
   } catch (...) {
     return describeError(name);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
@@ -11,6 +12,7 @@ namespace {
 
 // Raised whenever the loader's result for the same file changes.
 constexpr std::uint32_t kLoaderVersion = 11;
+constexpr std::size_t kHashedAtOnce = 1 << 20;
 
 /// Hash of everything that the scene depends on.
 class KeyBuilder {
@@ -25,9 +27,17 @@ class KeyBuilder {
     const auto* bytes = reinterpret_cast<const std::byte*>(value.data());
     bytes_.insert(bytes_.end(), bytes, bytes + value.size());
   }
-  void content(ByteView bytes) {
-    number(std::uint64_t(bytes.size()));
-    for (const std::uint8_t byte : contentHash(std::as_bytes(bytes))) number(byte);
+  void content(const GltfSource& source) {
+    number(std::uint64_t(source.size()));
+    GltfPiece piece;
+    std::size_t at = 0;
+    const auto next = [&] {
+      const std::size_t count = std::min(kHashedAtOnce, source.size() - at);
+      piece = source.read(at, count);
+      at += count;
+      return std::as_bytes(piece.view());
+    };
+    for (const std::uint8_t byte : hashOfPieces(next)) number(byte);
   }
   std::string name() const { return toHex(contentHash(bytes_)); }
 
@@ -51,7 +61,7 @@ std::string cacheKey(const std::string& name, const GltfDocument& document, cons
   key.number(options.gravity.z);
   key.number(std::uint64_t(options.maxTriangles));
   key.content(document.file);
-  for (const ByteView& external : document.externals) key.content(external);
+  for (const GltfSource* external : document.externals) key.content(*external);
   return key.name();
 }
 

@@ -103,6 +103,16 @@ ContentHash contentHash(std::span<const std::byte> bytes) {
   return hash;
 }
 
+ContentHash hashOfPieces(const std::function<std::span<const std::byte>()>& next) {
+  ContentHash hash;
+  crypto_generichash_state state;
+  crypto_generichash_init(&state, nullptr, 0, hash.size());
+  for (auto piece = next(); !piece.empty(); piece = next())
+    crypto_generichash_update(&state, reinterpret_cast<const unsigned char*>(piece.data()), piece.size());
+  crypto_generichash_final(&state, hash.data(), hash.size());
+  return hash;
+}
+
 std::string toHex(const ContentHash& hash) {
   static constexpr char kDigits[] = "0123456789abcdef";
   std::string text;

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,6 +21,8 @@ namespace tandem::assets {
 using ContentHash = std::array<std::uint8_t, 32>;
 
 ContentHash contentHash(std::span<const std::byte> bytes);
+/// The same of all pieces that `next` gives, one after the other, up to an empty one.
+ContentHash hashOfPieces(const std::function<std::span<const std::byte>()>& next);
 std::string toHex(const ContentHash& hash);
 
 /// The scene as bytes; the same scene gives the same bytes on every machine of the same byte order.
