@@ -257,7 +257,7 @@ void CandidateRows::alignToFace(std::uint32_t i, const Reading& read, glm::vec3&
   if (answer == nullptr) return;
   const Triangle face = query_.to->tree->triangle(answer->triangle);
   const glm::dvec3 p = transformPoint(query_.toFromSamples, sampleAt(i).point) + shift_,
-                   &up = query_.to->edges.normal(answer->triangle);
+                   up = query_.to->edges.normal(answer->triangle);
   if (!closestPointOnTriangle(p, face).onFace) return;
   const double height = glm::dot(up, p - face.a);
   if (std::abs(height - static_cast<double>(read.distance)) > static_cast<double>(read.error)) return;

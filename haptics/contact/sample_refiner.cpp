@@ -213,9 +213,10 @@ bool SampleRefiner::touchMesh(const SideQuery& query, const ContactSample& sampl
   // place counts only where it may be inside.
   const bool counts = ContactSamples::isSmooth(sample) || seat.least < glm::length(sampleQuery.motion);
   if (seat.edge == assets::kNone || !counts) return true;
-  const MeshEdge edge = query.from->edges.edge(seat.edge);
+  const EdgeLine edge = query.from->edges.line(seat.edge);
   const glm::dquat& rotation = query.toFromSamples.orientation;
-  const std::array<glm::dvec3, 2> normals{rotation * edge.normals[0], rotation * edge.normals[1]};
+  std::array<glm::dvec3, 2> normals = query.from->edges.normals(seat.edge);
+  for (glm::dvec3& normal : normals) normal = rotation * normal;
   SampleQuery seated = sampleQuery;
   seated.point = seat.point;
   readField(query, seated);

@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 
 #include "assets/base/assert.h"
+#include "assets/base/constants.h"
 #include "haptics/geometry/border_pairs.h"
 #include "haptics/geometry/segment.h"
 #include "haptics/geometry/triangle_bvh.h"
@@ -35,35 +36,34 @@ std::uint32_t edgeTowards(const assets::Mesh& mesh, std::uint32_t from, std::uin
   return 0;
 }
 
+/// rad from one normal to the other about an edge between them, below 0 where it is concave.
+double angleAlong(const glm::dvec3& edge, const glm::dvec3& first, const glm::dvec3& second) {
+  return std::atan2(glm::dot(glm::cross(first, second), glm::normalize(edge)), glm::dot(first, second));
+}
+
 }  // namespace
 
 MeshEdges::MeshEdges(const assets::Mesh& mesh) : mesh_(&mesh) {
-  ASSERT(mesh.neighbours.size() == mesh.triangles.size());
-  normals_.resize(mesh.triangles.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& c = mesh.triangles[t];
-    const glm::dvec3 area =
-        glm::cross(mesh.positions[c[1]] - mesh.positions[c[0]], mesh.positions[c[2]] - mesh.positions[c[0]]);
-    const double length = glm::length(area);
-    normals_[t] = length > 0.0 ? area / length : glm::dvec3(0.0);
-  }
+  ASSERT(mesh.neighbours.size() == mesh.triangles.size() && mesh.triangles.size() <= kPlace / 4);
   Beyond beyond = mesh.neighbours;
   const double widest = kWidestSlit * glm::distance(mesh.bounds.min, mesh.bounds.max);
   const std::vector<std::uint32_t> faces = facesBeyondBorders(mesh, widest);
   for (std::size_t i = 0; i < faces.size(); ++i)
     if (faces[i] != assets::kNone) beyond[i / 3][i % 3] = faces[i];
   std::vector<std::array<std::uint32_t, 3>> edgeOf(mesh.triangles.size());
-  findEdges(mesh, beyond, edgeOf);
+  findEdges(beyond, edgeOf);
   listAround(beyond, edgeOf);
   ASSERT(first_.size() == mesh.triangles.size() + 1 && first_.back() == around_.size());
   kept_.shrink_to_fit();
-  backs_.shrink_to_fit();
+  borders_.shrink_to_fit();
   around_.shrink_to_fit();
 }
 
 /// Fills edgeOf: each triangle's edge as an index into kept_, or kNone where it is flat.
-void MeshEdges::findEdges(const assets::Mesh& mesh, const Beyond& beyond,
-                          std::vector<std::array<std::uint32_t, 3>>& edgeOf) {
+void MeshEdges::findEdges(const Beyond& beyond, std::vector<std::array<std::uint32_t, 3>>& edgeOf) {
+  const assets::Mesh& mesh = *mesh_;
+  std::vector<glm::dvec3> normals(mesh.triangles.size());
+  for (std::uint32_t t = 0; t < normals.size(); ++t) normals[t] = normal(t);
   for (auto& edges : edgeOf) edges.fill(assets::kNone);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     for (std::uint32_t e = 0; e < 3; ++e) {
@@ -71,34 +71,40 @@ void MeshEdges::findEdges(const assets::Mesh& mesh, const Beyond& beyond,
       // Each side of a slit has an edge of its own.
       const bool border = mesh.neighbours[t][e] == assets::kNone;
       if (!border && other < t) continue;
-      const std::uint32_t ia = mesh.triangles[t][e], ib = mesh.triangles[t][(e + 1) % 3];
-      Kept kept{{ia, ib}, {t, other}, 0.0, border};
-      if (other == assets::kNone || (border && glm::dot(normals_[t], normals_[other]) < kFolded)) {
-        kept.triangles[1] = t;
-        kept.angle = std::acos(-1.0);
-        kept.back = static_cast<std::uint32_t>(backs_.size());
-        backs_.push_back(-normals_[t]);
-      } else {
-        const glm::dvec3 along = glm::normalize(mesh.positions[ib] - mesh.positions[ia]);
-        kept.angle = std::atan2(glm::dot(glm::cross(normals_[t], normals_[other]), along),
-                                glm::dot(normals_[t], normals_[other]));
-        if (!(std::abs(kept.angle) > kFlat)) continue;
+      const bool back = other == assets::kNone || (border && glm::dot(normals[t], normals[other]) < kFolded);
+      double angle = kPi;
+      if (!back) {
+        const std::uint32_t a = mesh.triangles[t][e], b = mesh.triangles[t][(e + 1) % 3];
+        angle = angleAlong(mesh.positions[b] - mesh.positions[a], normals[t], normals[other]);
+        if (!(std::abs(angle) > kFlat)) continue;
       }
       const auto index = static_cast<std::uint32_t>(kept_.size());
-      kept_.push_back(kept);
+      const std::uint32_t at = border ? static_cast<std::uint32_t>(borders_.size()) : 4 * t + e;
+      kept_.push_back((border ? kBorder : 0) | (angle < 0.0 ? kConcave : 0) | at);
+      if (border) borders_.push_back({t, e, back ? assets::kNone : other, true});
       edgeOf[t][e] = index;
       if (!border) edgeOf[other][edgeTowards(mesh, other, t)] = index;
     }
   }
 }
 
+std::array<glm::dvec3, 2> MeshEdges::normals(std::uint32_t index) const {
+  const Place at = place(index);
+  const glm::dvec3 own = normal(at.triangle);
+  if (at.other != assets::kNone) return {own, normal(at.other)};
+  const EdgeLine edge = line(index);
+  return {own, ofSolid_ ? glm::cross(glm::normalize(edge.b - edge.a), own) : -own};
+}
+
+double MeshEdges::angle(std::uint32_t index) const {
+  const Place at = place(index);
+  if (at.other == assets::kNone) return ofSolid_ ? 0.5 * kPi : kPi;
+  const EdgeLine edge = line(index);
+  return angleAlong(edge.b - edge.a, normal(at.triangle), normal(at.other));
+}
+
 MeshEdges MeshEdges::ofSolid() && {
-  for (Kept& kept : kept_) {
-    if (kept.back == assets::kNone) continue;
-    const glm::dvec3 along = glm::normalize(mesh_->positions[kept.ends[1]] - mesh_->positions[kept.ends[0]]);
-    backs_[kept.back] = glm::cross(along, normals_[kept.triangles[0]]);
-    kept.angle = 0.5 * std::acos(-1.0);
-  }
+  ofSolid_ = true;
   return std::move(*this);
 }
 
@@ -144,8 +150,8 @@ double MeshEdges::sharpSpacing(double cube) const {
   };
   std::unordered_map<std::uint64_t, Cell> cells;
   for (std::uint32_t e = 0; e < count(); ++e) {
-    const MeshEdge edge = this->edge(e);
-    if (std::abs(edge.angle) < kSharp || edge.border) continue;
+    const EdgeLine edge = line(e);
+    if (edge.border || std::abs(angle(e)) < kSharp) continue;
     const double length = glm::length(edge.b - edge.a);
     const int pieces = static_cast<int>(std::min(std::ceil(2.0 * length / cell), 1e4));
     for (int i = 0; i < pieces; ++i) {
@@ -176,8 +182,8 @@ double MeshEdges::sharpSpacing(double cube) const {
 }
 
 std::size_t MeshEdges::memory() const {
-  return kept_.size() * sizeof(Kept) + (normals_.size() + backs_.size()) * sizeof(glm::dvec3) +
-         (first_.size() + around_.size()) * sizeof(std::uint32_t);
+  return borders_.size() * sizeof(Place) +
+         (kept_.size() + first_.size() + around_.size()) * sizeof(std::uint32_t);
 }
 
 bool isBehind(const MeshEdges& edges, const MeshPoint& nearest, const glm::dvec3& p) {
@@ -186,9 +192,9 @@ bool isBehind(const MeshEdges& edges, const MeshPoint& nearest, const glm::dvec3
   if (nearest.onFace) return true;
   const double near = 1e-6 * nearest.distance;
   for (const std::uint32_t i : edges.around(nearest.triangle)) {
-    const MeshEdge edge = edges.edge(i);
+    const EdgeLine edge = edges.line(i);
     if (glm::length(nearest.point - closestPointOnSegment(nearest.point, edge.a, edge.b)) > near) continue;
-    for (const glm::dvec3& normal : edge.normals)
+    for (const glm::dvec3& normal : edges.normals(i))
       if (glm::dot(normal, off) >= 0.0) return false;
   }
   return true;

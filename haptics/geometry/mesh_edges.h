@@ -2,8 +2,8 @@
 
 // Edges of a mesh: its convex and concave edges, and those around each triangle.
 //
-// 1. Immutable, in the part's frame. An edge between coplanar faces is left out. 32 bytes of each are kept;
-//    its ends and normals are those of the mesh, which must outlive this.
+// 1. Immutable, in the part's frame. An edge between coplanar faces is left out. Four bytes of each are kept:
+//    all else follows from the mesh, which must outlive this.
 // 2. An open border within a slit's width of another forms an edge with the face beyond the slit.
 // 3. Any other forms a convex edge with its own back, since a sheet has two sides. The back of a face of a
 //    solid cannot be touched: there the border forms a right edge with the plane in which the face ends.
@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
 #include "assets/scene/scene.h"
@@ -21,14 +22,18 @@ namespace tandem::haptics {
 
 struct MeshPoint;
 
-/// An edge between two faces, or at the border of one.
-struct MeshEdge {
+/// Where an edge runs, between two faces or at the border of one.
+struct EdgeLine {
   glm::dvec3 a{0.0, 0.0, 0.0}, b{0.0, 0.0, 0.0};  // m
-  std::array<glm::dvec3, 2> normals{};            // unit, outward, of the faces
   std::array<std::uint32_t, 2> triangles{};       // equal at a border without a slit
   std::array<std::uint32_t, 2> ends{};            // vertices of the mesh
-  double angle = 0.0;   // rad between the normals, below 0 where the edge is concave
-  bool border = false;  // the mesh has one face here
+  bool border = false;                            // the mesh has one face here
+};
+
+/// An edge, and how the surface turns there.
+struct MeshEdge : EdgeLine {
+  std::array<glm::dvec3, 2> normals{};  // unit, outward, of the faces
+  double angle = 0.0;                   // rad between the normals, below 0 where the edge is concave
 };
 
 class MeshEdges {
@@ -42,13 +47,18 @@ class MeshEdges {
   MeshEdges ofSolid() &&;
 
   std::uint32_t count() const { return static_cast<std::uint32_t>(kept_.size()); }
-  MeshEdge edge(std::uint32_t index) const;
+  /// Whether the angle is above 0. This costs one load, line() some, and the rest is computed.
+  bool isConvex(std::uint32_t index) const { return (kept_[index] & kConcave) == 0; }
+  EdgeLine line(std::uint32_t index) const;
+  std::array<glm::dvec3, 2> normals(std::uint32_t index) const;
+  double angle(std::uint32_t index) const;
+  MeshEdge edge(std::uint32_t index) const { return {line(index), normals(index), angle(index)}; }
   /// Indices of the edges of a triangle, and of the triangles beside it in its plane, up to two away.
   std::span<const std::uint32_t> around(std::uint32_t triangle) const {
     return {around_.data() + first_[triangle], around_.data() + first_[triangle + 1]};
   }
   /// Outward unit normal; zero for a triangle without area.
-  const glm::dvec3& normal(std::uint32_t triangle) const { return normals_[triangle]; }
+  glm::dvec3 normal(std::uint32_t triangle) const;
   /// Distance between sharp edges, m: in cubes of side `cube`, the area of a cube's face over the length of
   /// edges in it, as the median over edge length. `cube` itself where edges are isolated; less in a thread or
   /// a comb.
@@ -56,38 +66,50 @@ class MeshEdges {
   std::size_t memory() const;
 
  private:
-  struct Kept {
-    std::array<std::uint32_t, 2> ends{}, triangles{};
-    double angle = 0.0;
-    bool border = false;
-    /// Into backs_: the second normal, where it is no triangle's; or kNone.
-    std::uint32_t back = assets::kNone;
+  // Of an edge is kept: flags and, below them, 4 t + e for edge e of triangle t, or its place in borders_.
+  static constexpr std::uint32_t kBorder = 1u << 31, kConcave = 1u << 30, kPlace = kConcave - 1;
+  struct Place {
+    std::uint32_t triangle, edge;
+    std::uint32_t other;  // the face across the edge or a slit; kNone: the back of the triangle
+    bool border;
   };
   /// The triangle across an edge or across the slit there, or kNone.
   using Beyond = std::vector<std::array<std::uint32_t, 3>>;
-  void findEdges(const assets::Mesh& mesh, const Beyond& beyond,
-                 std::vector<std::array<std::uint32_t, 3>>& edgeOf);
+
+  void findEdges(const Beyond& beyond, std::vector<std::array<std::uint32_t, 3>>& edgeOf);
   void listAround(const Beyond& beyond, const std::vector<std::array<std::uint32_t, 3>>& edgeOf);
+  Place place(std::uint32_t index) const {
+    const std::uint32_t at = kept_[index] & kPlace;
+    if ((kept_[index] & kBorder) != 0) return borders_[at];
+    return {at >> 2, at & 3, mesh_->neighbours[at >> 2][at & 3], false};
+  }
 
   const assets::Mesh* mesh_ = nullptr;
-  std::vector<Kept> kept_;
-  std::vector<glm::dvec3> normals_;    // per triangle
-  std::vector<glm::dvec3> backs_;      // second normals of borders without a slit
+  bool ofSolid_ = false;
+  std::vector<std::uint32_t> kept_;
+  std::vector<Place> borders_;
   std::vector<std::uint32_t> first_;   // per triangle and one more: into around_
   std::vector<std::uint32_t> around_;  // into kept_
 };
 
-// Who asks often needs an end or the angle alone, and the compiler then leaves out the rest.
-[[gnu::always_inline]] inline MeshEdge MeshEdges::edge(std::uint32_t index) const {
-  const Kept& kept = kept_[index];
-  const glm::dvec3& second = kept.back == assets::kNone ? normals_[kept.triangles[1]] : backs_[kept.back];
-  return {mesh_->positions[kept.ends[0]],
-          mesh_->positions[kept.ends[1]],
-          {normals_[kept.triangles[0]], second},
-          kept.triangles,
-          kept.ends,
-          kept.angle,
-          kept.border};
+// Who asks often needs only the ends, or only the triangles, and the compiler then leaves out the rest.
+[[gnu::always_inline]] inline EdgeLine MeshEdges::line(std::uint32_t index) const {
+  const Place at = place(index);
+  const auto& corners = mesh_->triangles[at.triangle];
+  const std::uint32_t a = corners[at.edge], b = corners[at.edge < 2 ? at.edge + 1 : 0];
+  return {mesh_->positions[a],
+          mesh_->positions[b],
+          {at.triangle, at.other == assets::kNone ? at.triangle : at.other},
+          {a, b},
+          at.border};
+}
+
+inline glm::dvec3 MeshEdges::normal(std::uint32_t triangle) const {
+  const auto& c = mesh_->triangles[triangle];
+  const glm::dvec3& a = mesh_->positions[c[0]];
+  const glm::dvec3 area = glm::cross(mesh_->positions[c[1]] - a, mesh_->positions[c[2]] - a);
+  const double length = glm::length(area);
+  return length > 0.0 ? area / length : glm::dvec3(0.0);
 }
 
 /// Whether p is behind the surface at the surface's nearest point. On an edge or in a corner p must be behind

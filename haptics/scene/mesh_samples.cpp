@@ -48,7 +48,12 @@ class MeshSampler {
  public:
   MeshSampler(const assets::Mesh& mesh, const MeshEdges& edges, double spacing, double smoothSpacing,
               double sharp)
-      : mesh_(mesh), edges_(edges), spacing_(spacing), smoothSpacing_(smoothSpacing), sharp_(sharp) {}
+      : mesh_(mesh),
+        edges_(edges),
+        spacing_(spacing),
+        smoothSpacing_(smoothSpacing),
+        sharp_(sharp),
+        sharpEdge_(edges.count(), false) {}
 
   SampleSet sample() {
     std::vector<bool> sampled(mesh_.positions.size(), false);
@@ -70,18 +75,21 @@ class MeshSampler {
   const MeshEdges& edges_;
   const double spacing_, smoothSpacing_;  // m
   const double sharp_;                    // rad
+  std::vector<bool> sharpEdge_;           // of each edge, once the sharp ones are sampled
   SampleSet out_;
 };
 
 void MeshSampler::sampleSharpEdges(std::vector<bool>& corner) {
   for (std::uint32_t i = 0; i < edges_.count(); ++i) {
-    const MeshEdge edge = edges_.edge(i);
-    if (edge.angle < sharp_) continue;
+    if (!edges_.isConvex(i) || edges_.angle(i) < sharp_) continue;
+    sharpEdge_[i] = true;
+    const EdgeLine edge = edges_.line(i);
     corner[edge.ends[0]] = corner[edge.ends[1]] = true;
     const double length = glm::length(edge.b - edge.a);
     const int inner = std::max(1, static_cast<int>(std::ceil(length / spacing_)) - 1);
     const auto first = static_cast<std::uint32_t>(out_.normals.size());
-    out_.normals.insert(out_.normals.end(), edge.normals.begin(), edge.normals.end());
+    const auto normals = edges_.normals(i);
+    out_.normals.insert(out_.normals.end(), normals.begin(), normals.end());
     for (int k = 1; k <= inner; ++k) {
       out_.samples.push_back({edge.a + (edge.b - edge.a) * (static_cast<double>(k) / (inner + 1)), first, 2,
                               i, edge.triangles[0], roundUp(length / (inner + 1))});
@@ -92,50 +100,49 @@ void MeshSampler::sampleSharpEdges(std::vector<bool>& corner) {
 void MeshSampler::addCorners(const std::vector<bool>& corner) {
   std::vector<std::uint32_t> count(mesh_.positions.size() + 1, 0);
   for (std::uint32_t e = 0; e < edges_.count(); ++e) {
-    const MeshEdge edge = edges_.edge(e);
-    for (const std::uint32_t v : edge.ends) count[v + 1] += corner[v] && edge.angle > 0.0 ? 1 : 0;
+    if (!edges_.isConvex(e)) continue;
+    for (const std::uint32_t v : edges_.line(e).ends) count[v + 1] += corner[v] ? 1 : 0;
   }
   std::partial_sum(count.begin(), count.end(), count.begin());
   std::vector<std::uint32_t> at(count.begin(), count.end() - 1), list(count.back());
   for (std::uint32_t i = 0; i < edges_.count(); ++i) {
-    const MeshEdge edge = edges_.edge(i);
-    for (const std::uint32_t v : edge.ends) {
-      if (corner[v] && edge.angle > 0.0) list[at[v]++] = i;
+    if (!edges_.isConvex(i)) continue;
+    for (const std::uint32_t v : edges_.line(i).ends) {
+      if (corner[v]) list[at[v]++] = i;
     }
   }
   for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
     if (!corner[v]) continue;
     const std::size_t first = out_.normals.size();
     for (std::uint32_t i = count[v]; i < count[v + 1]; ++i) {
-      const MeshEdge edge = edges_.edge(list[i]);
-      for (const glm::dvec3& normal : edge.normals) addDistinct(out_.normals, first, normal);
+      for (const glm::dvec3& normal : edges_.normals(list[i])) addDistinct(out_.normals, first, normal);
     }
     out_.samples.push_back({mesh_.positions[v], static_cast<std::uint32_t>(first),
                             static_cast<std::uint32_t>(out_.normals.size() - first), assets::kNone,
-                            edges_.edge(list[count[v]]).triangles[0], 0.0f});
+                            edges_.line(list[count[v]]).triangles[0], 0.0f});
   }
 }
 
 void MeshSampler::sampleSmooth(std::vector<bool>& sampled) {
   Thinning cells(mesh_.bounds.min, smoothSpacing_);
   const auto add = [&](std::uint32_t i, const glm::dvec3& p) {
-    const MeshEdge edge = edges_.edge(i);
+    const auto normals = edges_.normals(i);
     const auto fresh = static_cast<std::uint32_t>(out_.samples.size()), at = cells.sampleAt(p, fresh);
     if (at == fresh) {
       const auto first = static_cast<std::uint32_t>(out_.normals.size());
-      out_.normals.insert(out_.normals.end(), edge.normals.begin(), edge.normals.end());
-      out_.samples.push_back({p, first, 2, i, edge.triangles[0], 0.0f});
+      out_.normals.insert(out_.normals.end(), normals.begin(), normals.end());
+      out_.samples.push_back({p, first, 2, i, edges_.line(i).triangles[0], 0.0f});
     }
     // The surface goes on turning as it does in the cell up to the middle of the next one.
     ContactSample& sample = out_.samples[at];
-    for (const glm::dvec3& normal : edge.normals) {
+    for (const glm::dvec3& normal : normals) {
       const double sine = glm::length(glm::cross(out_.normals[sample.firstNormal], normal));
       sample.turn = std::max(sample.turn, static_cast<float>(std::min(1.0, kBeyondCell * sine)));
     }
   };
   for (std::uint32_t i = 0; i < edges_.count(); ++i) {
-    const MeshEdge edge = edges_.edge(i);
-    if (edge.angle >= sharp_ || edge.angle <= 0.0) continue;
+    if (!edges_.isConvex(i) || sharpEdge_[i]) continue;
+    const EdgeLine edge = edges_.line(i);
     for (int end = 0; end < 2; ++end) {
       const std::uint32_t v = edge.ends[static_cast<std::size_t>(end)];
       if (!sampled[v]) add(i, end == 0 ? edge.a : edge.b);

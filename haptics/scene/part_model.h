@@ -67,7 +67,7 @@ inline bool PartModel::patchOf(const ContactSample& sample, ContactPatch& patch)
     return true;
   }
   if (sample.edge == assets::kNone || !(sample.along > 0.0f)) return false;
-  const MeshEdge edge = edges.edge(sample.edge);
+  const EdgeLine edge = edges.line(sample.edge);
   patch = ContactPatch{};
   patch.kind = ContactPatch::Kind::straight;
   patch.centre = sample.point;

@@ -78,7 +78,7 @@ Candidate over(const TriangleBvh& tree, const MeshEdges& edges, const ContactPat
                std::uint32_t triangle, double slack, bool nearest) {
   Candidate found;
   found.triangle = triangle;
-  const glm::dvec3& normal = edges.normal(triangle);
+  const glm::dvec3 normal = edges.normal(triangle);
   if (!(glm::dot(normal, normal) > 0.5)) return found;
   found.place = patch.lowest(normal, slack);
   // A further face matters only if the patch can rest on it: the edge that it shares with the nearest face
@@ -109,8 +109,7 @@ Candidate lowestNear(const TriangleBvh& tree, const MeshEdges& edges, const Cont
   for (int k = 0; k < 8; ++k) {
     const std::uint32_t from = best.triangle;
     for (const std::uint32_t i : edges.around(from)) {
-      const MeshEdge edge = edges.edge(i);
-      for (const std::uint32_t beside : edge.triangles) {
+      for (const std::uint32_t beside : edges.line(i).triangles) {
         if (beside == from) continue;
         const Candidate other = over(tree, edges, patch, beside, slack, false);
         if (other.height < best.height - 1e-3 * slack) best = other;

@@ -91,14 +91,14 @@ class Descent {
   EdgePlace lowestAround(std::uint32_t triangle, const glm::dvec3& from, const glm::dvec3& up,
                          EdgePlace best) const;
   /// The same of all triangles that meet in the corner of `edge` where `best` is, up to a border.
-  EdgePlace lowestAtCorner(const MeshEdge& edge, const glm::dvec3& up, EdgePlace best) const;
+  EdgePlace lowestAtCorner(const EdgeLine& edge, const glm::dvec3& up, EdgePlace best) const;
   /// Takes a place if it is deeper than the present one.
   bool take(const EdgePlace& place, const Height& height);
 
   const MeshEdges& ownEdges() const { return models_.from->edges; }
-  glm::dvec3 edgeStart() const { return ownEdges().edge(place_.edge).a; }
+  glm::dvec3 edgeStart() const { return ownEdges().line(place_.edge).a; }
   glm::dvec3 edgeDirection() const {
-    const MeshEdge edge = ownEdges().edge(place_.edge);
+    const EdgeLine edge = ownEdges().line(place_.edge);
     return glm::normalize(edge.b - edge.a);
   }
   glm::dvec3 ownDirection(const glm::dvec3& direction) const {
@@ -121,9 +121,9 @@ class Descent {
 /// edge: then p is outside.
 bool nearestIsConvex(const MeshEdges& edges, std::uint32_t triangle, const glm::dvec3& nearest, double size) {
   for (const std::uint32_t i : edges.around(triangle)) {
-    const MeshEdge edge = edges.edge(i);
-    if (edge.angle > 0.0 && glm::length(nearest - closestPointOnSegment(nearest, edge.a, edge.b)) <= size)
-      return true;
+    if (!edges.isConvex(i)) continue;
+    const EdgeLine edge = edges.line(i);
+    if (glm::length(nearest - closestPointOnSegment(nearest, edge.a, edge.b)) <= size) return true;
   }
   return false;
 }
@@ -138,7 +138,7 @@ Height Descent::heightAt(const glm::dvec3& ownPoint) {
   MeshPoint nearest;
   if (!tree.closestPoint(p, limit, nearest)) return {};
   hint_ = nearest.triangle;
-  const glm::dvec3 offset = p - nearest.point, &face = edges.normal(nearest.triangle);
+  const glm::dvec3 offset = p - nearest.point, face = edges.normal(nearest.triangle);
   bool outside = !models_.to->field.solid() || glm::dot(offset, face) >= 0.0;
   if (!nearest.onFace && !outside)
     outside = nearestIsConvex(edges, nearest.triangle, nearest.point, 1e-9 * (1e-3 + nearest.distance));
@@ -158,8 +158,8 @@ EdgePlace Descent::lowestAround(std::uint32_t triangle, const glm::dvec3& from, 
     best = {edge, point};
   };
   for (const std::uint32_t i : ownEdges().around(triangle)) {
-    const MeshEdge edge = ownEdges().edge(i);
-    if (!(edge.angle > 0.0)) continue;
+    if (!ownEdges().isConvex(i)) continue;
+    const EdgeLine edge = ownEdges().line(i);
     const glm::dvec3 nearest = closestPointOnSegment(from, edge.a, edge.b);
     consider(i, nearest);
     for (const glm::dvec3& end : {edge.a, edge.b}) {
@@ -172,7 +172,7 @@ EdgePlace Descent::lowestAround(std::uint32_t triangle, const glm::dvec3& from, 
   return best;
 }
 
-EdgePlace Descent::lowestAtCorner(const MeshEdge& edge, const glm::dvec3& up, EdgePlace best) const {
+EdgePlace Descent::lowestAtCorner(const EdgeLine& edge, const glm::dvec3& up, EdgePlace best) const {
   const glm::dvec3 from = best.point;
   if (from != edge.a && from != edge.b) return best;
   const std::uint32_t vertex = edge.ends[from == edge.a ? 0 : 1];
@@ -192,7 +192,7 @@ EdgePlace Descent::lowestAtCorner(const MeshEdge& edge, const glm::dvec3& up, Ed
 
 EdgePlace Descent::lowestOver(EdgePlace from, const glm::dvec3& up) const {
   for (int k = 0; k < kMaxMoves; ++k) {
-    const MeshEdge edge = ownEdges().edge(from.edge);
+    const EdgeLine edge = ownEdges().line(from.edge);
     EdgePlace best = from;
     for (const std::uint32_t triangle : edge.triangles) best = lowestAround(triangle, from.point, up, best);
     if (best == from) best = lowestAtCorner(edge, up, best);
@@ -286,7 +286,7 @@ Seat Descent::run() {
   seat.least = height_.height - models_.from->samples.dip(sample_);
   if (seat.least > bounds_.range) return seat;
   bool moved = smooth() && descend();
-  const MeshEdge edge = ownEdges().edge(place_.edge);
+  const EdgeLine edge = ownEdges().line(place_.edge);
   const double length = glm::length(edge.b - edge.a), reach = furthest();
   const auto from = [&] { return glm::dot(edge.b - edge.a, place_.point - edge.a) / length; };
   moved = searchEdge(std::max(0.0, from() - reach), std::min(length, from() + reach)) || moved;
@@ -338,7 +338,7 @@ bool isLevel(const SampledModels& models, const ContactSample& sample, const Lev
   const bool smooth = ContactSamples::isSmooth(sample);
   const glm::dvec3 ownUp = glm::conjugate(models.toFromSamples.orientation) * up;
   if (smooth && smoothDip(models.from->samples, sample, ownUp) <= bounds.allowance) return true;
-  const MeshEdge edge = models.from->edges.edge(sample.edge);
+  const EdgeLine edge = models.from->edges.line(sample.edge);
   const glm::dvec3 along = static_cast<double>(sample.along) * glm::normalize(edge.b - edge.a);
   if (!smooth && alone && std::abs(glm::dot(ownUp, along)) <= bounds.allowance) return true;
   const DistanceField::Reading here = readAt(models, sample.point);

@@ -34,16 +34,33 @@ bool cutsSample(const MeshEdge& edge, const SampleQuery& sample, double reach) {
   return low < high;
 }
 
-/// The plane of two edges that cross, normal to both, where each is an edge of its body in that direction.
-/// They may cross up to `past` m beyond the ends of `edge`.
-bool crossingEdges(const MeshEdge& edge, const EdgePlane& plane, const SampleQuery& sample, double past,
-                   TouchingPlane& found) {
+/// Where the lines of a sample's edge and of another are nearest to each other.
+struct Crossing {
+  glm::dvec3 along, across;  // unit: along the other edge; normal to both
+  double onSample, onEdge;   // m, from the sample's point, and from the first end of the other edge
+};
+
+/// Whether two edges cross, up to `past` m beyond the ends of `edge`.
+bool linesCross(const EdgeLine& edge, const SampleQuery& sample, double past, Crossing& at) {
   const double length = glm::length(edge.b - edge.a);
-  const glm::dvec3 along = (edge.b - edge.a) / length;
-  glm::dvec3 normal = glm::cross(sample.edge, along);
-  const double sine = glm::length(normal);
+  at.along = (edge.b - edge.a) / length;
+  at.across = glm::cross(sample.edge, at.along);
+  const double sine = glm::length(at.across);
   if (sine < kCrossing) return false;
-  normal /= sine;
+  at.across /= sine;
+  // Closest points of the two lines (Ericson, Real-Time Collision Detection, 5.1.9).
+  const glm::dvec3 r = sample.point - edge.a;
+  const double b = glm::dot(sample.edge, at.along), c = glm::dot(sample.edge, r), f = glm::dot(at.along, r);
+  at.onSample = (b * f - c) / (sine * sine);
+  at.onEdge = f + at.onSample * b;
+  return !(std::abs(at.onSample) > sample.along || at.onEdge < -past || at.onEdge > length + past);
+}
+
+/// The plane of two edges that cross, normal to both, where each is an edge of its body in that direction.
+bool crossingEdges(const MeshEdge& edge, const SampleQuery& sample, const Crossing& at,
+                   TouchingPlane& found) {
+  const EdgePlane plane(edge);
+  glm::dvec3 normal = at.across;
   if (glm::dot(normal, plane.direction(0.5 * plane.end())) < 0.0) normal = -normal;
   const double a = plane.angle(normal), slack = 1e-3;
   if (a < -slack || a > plane.end() + slack) return false;
@@ -51,14 +68,9 @@ bool crossingEdges(const MeshEdge& edge, const EdgePlane& plane, const SampleQue
   const glm::dvec3 &n0 = sample.normals[0], &n1 = sample.normals[1];
   const glm::dvec3 across0 = n1 - n0 * glm::dot(n0, n1), across1 = n0 - n1 * glm::dot(n0, n1);
   if (glm::dot(-normal, across0) < -slack || glm::dot(-normal, across1) < -slack) return false;
-  // Closest points of the two lines (Ericson, Real-Time Collision Detection, 5.1.9).
-  const glm::dvec3 r = sample.point - edge.a;
-  const double b = glm::dot(sample.edge, along), c = glm::dot(sample.edge, r), f = glm::dot(along, r);
-  const double s = (b * f - c) / (sine * sine), t = f + s * b;
-  if (std::abs(s) > sample.along || t < -past || t > length + past) return false;
-  found.point = sample.point + s * sample.edge;
+  found.point = sample.point + at.onSample * sample.edge;
   found.normal = normal;
-  found.gap = glm::dot(normal, found.point - (edge.a + t * along));
+  found.gap = glm::dot(normal, found.point - (edge.a + at.onEdge * at.along));
   return true;
 }
 
@@ -68,12 +80,13 @@ bool crossingNear(const MeshEdges& edges, std::uint32_t triangle, const SampleQu
                   double past, TouchingPlane& least) {
   bool any = false;
   for (const std::uint32_t i : edges.around(triangle)) {
-    const MeshEdge edge = edges.edge(i);
-    if (edge.angle < 0.0) continue;
-    const glm::dvec3 offset = sample.point - closestPointOnSegment(sample.point, edge.a, edge.b);
+    if (!edges.isConvex(i)) continue;
+    const EdgeLine line = edges.line(i);
+    const glm::dvec3 offset = sample.point - closestPointOnSegment(sample.point, line.a, line.b);
+    Crossing at;
     TouchingPlane found;
-    if (glm::dot(offset, offset) > reach * reach ||
-        !crossingEdges(edge, EdgePlane(edge), sample, past, found))
+    if (glm::dot(offset, offset) > reach * reach || !linesCross(line, sample, past, at) ||
+        !crossingEdges(edges.edge(i), sample, at, found))
       continue;
     if (any && found.gap >= least.gap) continue;
     any = true;
@@ -88,8 +101,8 @@ std::uint32_t nearestConvex(const MeshEdges& edges, std::uint32_t triangle, cons
   std::uint32_t nearest = assets::kNone;
   double least = reach * reach;
   for (const std::uint32_t i : edges.around(triangle)) {
-    const MeshEdge edge = edges.edge(i);
-    if (edge.angle < 0.0) continue;
+    if (!edges.isConvex(i)) continue;
+    const EdgeLine edge = edges.line(i);
     const glm::dvec3 q = closestPointOnSegment(p, edge.a, edge.b);
     const double square = glm::dot(p - q, p - q);
     if (square > least) continue;
@@ -108,16 +121,17 @@ std::uint32_t nearestConvex(const MeshEdges& edges, std::uint32_t triangle, cons
 void addPlaneBeyond(const TriangleBvh& tree, const MeshEdges& edges, const SampleQuery& sample, double reach,
                     TouchingFeature& feature) {
   const glm::dvec3& p = sample.point;
-  const glm::dvec3& known = edges.normal(feature.triangle);
+  const glm::dvec3 known = edges.normal(feature.triangle);
   const bool behind = feature.planes[0].gap < 0.0;
   double least = 1e300;
   for (const std::uint32_t i : edges.around(feature.triangle)) {
-    const MeshEdge edge = edges.edge(i);
-    if (edge.angle > 0.0) continue;
+    if (edges.isConvex(i)) continue;
+    const EdgeLine edge = edges.line(i);
     const glm::dvec3 q = closestPointOnSegment(p, edge.a, edge.b);
     if (glm::dot(p - q, p - q) > 4.0 * reach * reach) continue;
+    const auto normals = edges.normals(i);
     for (std::size_t side = 0; side < 2; ++side) {
-      const glm::dvec3& normal = edge.normals[side];
+      const glm::dvec3& normal = normals[side];
       const double gap = glm::dot(normal, p - edge.a), predicted = gap + glm::dot(normal, sample.motion);
       if (predicted >= least || gap > reach || glm::dot(normal, known) > 1.0 - 1e-9) continue;
       if (!behind && gap < 0.0 && -gap < (1.0 - 1e-9) * feature.distance) continue;
@@ -140,7 +154,7 @@ double slackOf(const SampleQuery& sample, double reach) { return std::max(sample
 double same(double reach) { return 1e-18 * reach * reach + 1e-24; }
 
 /// Whether the edge passes through the point.
-bool passes(const MeshEdge& edge, const glm::dvec3& point, double reach) {
+bool passes(const EdgeLine& edge, const glm::dvec3& point, double reach) {
   const glm::dvec3 offset = point - closestPointOnSegment(point, edge.a, edge.b);
   return glm::dot(offset, offset) <= same(reach);
 }
@@ -151,8 +165,7 @@ bool isConvexCorner(const MeshEdges& edges, std::uint32_t triangle, const MeshEd
   const glm::dvec3 a = point - edge.a, b = point - edge.b;
   if (std::min(glm::dot(a, a), glm::dot(b, b)) > same(reach)) return false;
   return std::none_of(edges.around(triangle).begin(), edges.around(triangle).end(), [&](std::uint32_t i) {
-    const MeshEdge other = edges.edge(i);
-    return other.angle < 0.0 && passes(other, point, reach);
+    return !edges.isConvex(i) && passes(edges.line(i), point, reach);
   });
 }
 
@@ -202,11 +215,10 @@ bool planeOfCorner(const MeshEdges& edges, std::uint32_t triangle, const glm::dv
                    const SampleQuery& sample, double reach, TouchingPlane& found) {
   double furthest = -1e300;
   for (const std::uint32_t i : edges.around(triangle)) {
+    if (!edges.isConvex(i) || !passes(edges.line(i), foot, reach)) continue;
     const MeshEdge edge = edges.edge(i);
     TouchingPlane plane;
-    if (edge.angle < 0.0 || !passes(edge, foot, reach) ||
-        !commonPlane(edge, EdgePlane(edge), foot, sample, reach, plane))
-      continue;
+    if (!commonPlane(edge, EdgePlane(edge), foot, sample, reach, plane)) continue;
     const double gap = predicted(plane, sample);
     if (gap <= furthest) continue;
     furthest = gap;
@@ -226,7 +238,7 @@ TouchingPlane nearestPlane(const TriangleBvh& tree, const MeshEdges& edges, std:
   glm::dvec3 foot(0.0);
   const std::uint32_t nearest = nearestConvex(edges, triangle, p, reach, foot);
   if (nearest == assets::kNone) {
-    const glm::dvec3& normal = edges.normal(triangle);
+    const glm::dvec3 normal = edges.normal(triangle);
     return {p, normal, glm::dot(normal, p - tree.triangle(triangle).a)};
   }
   const MeshEdge edge = edges.edge(nearest);
@@ -243,7 +255,9 @@ TouchingPlane nearestPlane(const TriangleBvh& tree, const MeshEdges& edges, std:
 
 TouchingPlane touchingEdge(const MeshEdge& edge, const SampleQuery& sample) {
   TouchingPlane found;
-  if (sample.along > 0.0 && crossingEdges(edge, EdgePlane(edge), sample, 0.0, found)) return found;
+  Crossing at;
+  if (sample.along > 0.0 && linesCross(edge, sample, 0.0, at) && crossingEdges(edge, sample, at, found))
+    return found;
   return planeOfEdge(edge, closestPointOnSegment(sample.point, edge.a, edge.b), sample,
                      std::max(glm::length(sample.motion), 10.0 * sample.slack));
 }
