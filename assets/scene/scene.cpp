@@ -25,6 +25,10 @@ void dropGeometry(Scene& scene) {
   }
 }
 
+void dropShells(Scene& scene) {
+  for (Mesh& mesh : scene.meshes) mesh.triangleShell = {};
+}
+
 PartId findPart(const Scene& scene, std::string_view name) {
   for (std::size_t i = 0; i < scene.parts.size(); ++i)
     if (scene.parts[i].name == name) return static_cast<PartId>(i);

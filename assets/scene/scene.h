@@ -58,7 +58,7 @@ struct Mesh {
   std::vector<std::uint16_t> triangleMaterial;           // T, into Scene::materials
   std::vector<std::array<std::uint32_t, 3>> neighbours;  // T, triangle across edge e, or kNone
   std::vector<std::array<std::uint8_t, 3>> edgeFlags;    // T, EdgeFlag bits of edge e
-  std::vector<std::uint32_t> triangleShell;              // T, index of the connected shell
+  std::vector<std::uint32_t> triangleShell;  // T, index of the connected shell; empty after dropShells()
   std::vector<std::array<glm::vec2, 3>> triangleUv;  // T, texture coordinates of the corners; empty unless a
                                                      // surface of the mesh has an image
   std::vector<std::array<glm::vec3, 3>> triangleNormal;  // T, unit, of the corners, as the file has them;
@@ -185,6 +185,9 @@ std::size_t triangleCount(const Scene& scene);
 /// Empties all arrays of the meshes, and keeps what is said of each as a whole (bounds, volume): for who
 /// passes the scene on as a package and touches nothing. triangleCount() is 0 then.
 void dropGeometry(Scene& scene);
+
+/// Empties the lists of triangles' shells, which only packages hold: for who packs the scene no more.
+void dropShells(Scene& scene);
 
 /// The part with this name, or kNoPart.
 PartId findPart(const Scene& scene, std::string_view name);

@@ -78,7 +78,7 @@ Status JoinedSite::prepareScene(const Progress& progress) {
       connection_->step(now);
     };
     if (Status fetched = downloadScene(*connection_, store_, progress, step); !fetched) return fetched;
-    package = connection_->scenePackage();
+    package = connection_->takeScenePackage();
   } else {
     connection_->skipTransfer();
   }
@@ -86,6 +86,7 @@ Status JoinedSite::prepareScene(const Progress& progress) {
   Result<assets::Scene> scene = assets::unpackScene(package);
   if (!scene) return Error{"the server's scene cannot be used: " + scene.error().message};
   scene_ = std::move(*scene);
+  assets::dropShells(scene_);
   if (options_.facets) assets::dropNormals(scene_);
   contact_ = std::make_unique<haptics::ContactScene>(scene_);
   exchange_ = std::make_unique<Exchange>();

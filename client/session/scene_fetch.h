@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "sync/wire/scene_messages.h"
@@ -30,6 +31,8 @@ class SceneFetch {
   bool complete() const { return package_.size() == total_; }
   double progress() const;  // 0..1
   const std::vector<std::byte>& package() const { return package_; }
+  /// The package, which is not held here any more.
+  std::vector<std::byte> take() { return std::exchange(package_, {}); }
 
  private:
   bool running_ = false;

@@ -66,6 +66,8 @@ class ServerConnection {
   void startTransfer(std::vector<std::byte> have);
   double transferProgress() const { return fetch_.progress(); }  // 0..1
   const std::vector<std::byte>& scenePackage() const { return fetch_.package(); }
+  /// The package, once it is complete, which is not held here any more.
+  std::vector<std::byte> takeScenePackage() { return fetch_.take(); }
 
   /// The scene is ready for the hand. Called once; both must outlive the connection.
   void sceneReady(const assets::Scene& scene, Exchange& exchange);

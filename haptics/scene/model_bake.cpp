@@ -162,7 +162,8 @@ class Bake {
 std::shared_ptr<const PartModel> bakeModel(const TriangleBvh& tree, double tolerance, const BakePlan& plan,
                                            const BakeHow& how, std::shared_ptr<const PartFeatures> features) {
   const auto start = std::chrono::steady_clock::now();
-  MeshEdges edges(tree.mesh());
+  std::optional<MeshEdges> found;
+  const MeshEdges& edges = features != nullptr ? features->edges : found.emplace(tree.mesh());
   DistanceField::Options options =
       plan.coarse ? coarseField(tree, tolerance) : fineField(tree, edges, tolerance, plan);
   options.threads = how.threads;
@@ -176,7 +177,7 @@ std::shared_ptr<const PartModel> bakeModel(const TriangleBvh& tree, double toler
     field = cachedField(tree, options, plan.coarse ? std::string() : how.cacheDirectory, cached);
   if (!field || field->stopped()) return nullptr;
   if (features == nullptr)
-    features = std::make_shared<PartFeatures>(tree.mesh(), std::move(edges), field->solid(),
+    features = std::make_shared<PartFeatures>(tree.mesh(), std::move(*found), field->solid(),
                                               samplingOf(tree, plan.sampleScale));
   auto model = std::make_shared<PartModel>(tree, std::move(features), std::move(*field));
   model->coarse = plan.coarse;

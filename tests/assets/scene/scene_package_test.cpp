@@ -202,6 +202,17 @@ TEST(Scene, KeepsWhatIsSaidOfMeshesAsAWholeWithoutTheirGeometry) {
   EXPECT_TRUE(scene.meshes[0].positions.empty());
 }
 
+TEST(Scene, LosesTheShellsOfTrianglesAlone) {
+  const Scene whole = randomSceneWithFiles(10);
+  Scene scene = whole;
+  dropShells(scene);
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    EXPECT_TRUE(scene.meshes[m].triangleShell.empty());
+    scene.meshes[m].triangleShell = whole.meshes[m].triangleShell;
+  }
+  EXPECT_EQ(packScene(scene), packScene(whole));
+}
+
 // The hash hides broken content from the decoder, so these go to the decoder itself, as a hostile packer
 // would.
 

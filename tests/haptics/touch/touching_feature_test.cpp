@@ -59,6 +59,35 @@ TEST(MeshEdges, OfAGrooveAreOneHollowAndItsBorders) {
   EXPECT_EQ(borders, 6);
 }
 
+TEST(MeshEdges, TellConvexFromConcave) {
+  for (const assets::Mesh& mesh :
+       {grooveMesh(0.02, 0.7), meshOf(boltThreadSoup({})), boxMesh({1.0, 2.0, 3.0})}) {
+    const MeshEdges edges(mesh);
+    for (std::uint32_t e = 0; e < edges.count(); ++e) {
+      const MeshEdge edge = edges.edge(e);
+      EXPECT_EQ(edges.isConvex(e), edge.angle > 0.0);
+      if (edge.triangles[0] == edge.triangles[1]) continue;
+      // The second face falls away from the plane of the first at a convex edge.
+      double highest = 0.0;
+      for (const std::uint32_t v : mesh.triangles[edge.triangles[1]])
+        if (v != edge.ends[0] && v != edge.ends[1])
+          highest = glm::dot(edge.normals[0], mesh.positions[v] - edge.a);
+      EXPECT_EQ(edges.isConvex(e), highest < 0.0);
+    }
+  }
+}
+
+TEST(MeshEdges, HoldFewBytesBesideTheirLists) {
+  const assets::Mesh mesh = sphereMesh(0.01, 64);
+  const MeshEdges edges(mesh);
+  ASSERT_GE(edges.count(), mesh.triangles.size());
+  std::size_t listed = 0;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) listed += edges.around(t).size();
+  const std::size_t beside = edges.memory() - listed * sizeof(std::uint32_t);
+  // Were ends, faces and normals kept, it would be 28 of a triangle and 32 of an edge.
+  EXPECT_LE(beside, 5 * (mesh.triangles.size() + edges.count()));
+}
+
 TEST(MeshEdges, StandAloneInABoxAndNearEachOtherInAThread) {
   const assets::Mesh box = boxMesh(glm::dvec3(0.02)), sphere = sphereMesh(0.01, 64);
   EXPECT_NEAR(MeshEdges(box).sharpSpacing(0.002), 0.002, 1e-6);
