@@ -53,7 +53,7 @@ MeshEdges::MeshEdges(const assets::Mesh& mesh) : mesh_(&mesh) {
   std::vector<std::array<std::uint32_t, 3>> edgeOf(mesh.triangles.size());
   findEdges(beyond, edgeOf);
   listAround(beyond, edgeOf);
-  ASSERT(first_.size() == mesh.triangles.size() + 1 && first_.back() == around_.size());
+  ASSERT(inGroup_.size() == mesh.triangles.size() + 1);
   kept_.shrink_to_fit();
   borders_.shrink_to_fit();
   around_.shrink_to_fit();
@@ -109,8 +109,14 @@ MeshEdges MeshEdges::ofSolid() && {
 }
 
 void MeshEdges::listAround(const Beyond& beyond, const std::vector<std::array<std::uint32_t, 3>>& edgeOf) {
-  first_.reserve(beyond.size() + 1);
-  first_.push_back(0);
+  static_assert(kGroup * kMaxAround <= 0xffff);
+  inGroup_.reserve(beyond.size() + 1);
+  group_.reserve(beyond.size() / kGroup + 1);
+  const auto beginList = [this] {
+    if (inGroup_.size() % kGroup == 0) group_.push_back(static_cast<std::uint32_t>(around_.size()));
+    inGroup_.push_back(static_cast<std::uint16_t>(around_.size() - group_.back()));
+  };
+  beginList();
   std::array<std::uint32_t, 10> plane;
   for (std::uint32_t t = 0; t < beyond.size(); ++t) {
     plane[0] = t;
@@ -134,7 +140,7 @@ void MeshEdges::listAround(const Beyond& beyond, const std::vector<std::array<st
         if (edge != assets::kNone && around_.size() - begin < kMaxAround) around_.push_back(edge);
       }
     }
-    first_.push_back(static_cast<std::uint32_t>(around_.size()));
+    beginList();
   }
 }
 
@@ -183,7 +189,8 @@ double MeshEdges::sharpSpacing(double cube) const {
 
 std::size_t MeshEdges::memory() const {
   return borders_.size() * sizeof(Place) +
-         (kept_.size() + first_.size() + around_.size()) * sizeof(std::uint32_t);
+         (kept_.size() + group_.size() + around_.size()) * sizeof(std::uint32_t) +
+         inGroup_.size() * sizeof(std::uint16_t);
 }
 
 bool isBehind(const MeshEdges& edges, const MeshPoint& nearest, const glm::dvec3& p) {

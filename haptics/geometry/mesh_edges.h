@@ -55,7 +55,7 @@ class MeshEdges {
   MeshEdge edge(std::uint32_t index) const { return {line(index), normals(index), angle(index)}; }
   /// Indices of the edges of a triangle, and of the triangles beside it in its plane, up to two away.
   std::span<const std::uint32_t> around(std::uint32_t triangle) const {
-    return {around_.data() + first_[triangle], around_.data() + first_[triangle + 1]};
+    return {around_.data() + listAt(triangle), around_.data() + listAt(triangle + 1)};
   }
   /// Outward unit normal; zero for a triangle without area.
   glm::dvec3 normal(std::uint32_t triangle) const;
@@ -68,6 +68,7 @@ class MeshEdges {
  private:
   // Of an edge is kept: flags and, below them, 4 t + e for edge e of triangle t, or its place in borders_.
   static constexpr std::uint32_t kBorder = 1u << 31, kConcave = 1u << 30, kPlace = kConcave - 1;
+  static constexpr std::uint32_t kGroup = 64;
   struct Place {
     std::uint32_t triangle, edge;
     std::uint32_t other;  // the face across the edge or a slit; kNone: the back of the triangle
@@ -78,6 +79,9 @@ class MeshEdges {
 
   void findEdges(const Beyond& beyond, std::vector<std::array<std::uint32_t, 3>>& edgeOf);
   void listAround(const Beyond& beyond, const std::vector<std::array<std::uint32_t, 3>>& edgeOf);
+  std::uint32_t listAt(std::uint32_t triangle) const {
+    return group_[triangle / kGroup] + inGroup_[triangle];
+  }
   Place place(std::uint32_t index) const {
     const std::uint32_t at = kept_[index] & kPlace;
     if ((kept_[index] & kBorder) != 0) return borders_[at];
@@ -88,8 +92,9 @@ class MeshEdges {
   bool ofSolid_ = false;
   std::vector<std::uint32_t> kept_;
   std::vector<Place> borders_;
-  std::vector<std::uint32_t> first_;   // per triangle and one more: into around_
-  std::vector<std::uint32_t> around_;  // into kept_
+  std::vector<std::uint32_t> group_;    // per kGroup triangles: into around_
+  std::vector<std::uint16_t> inGroup_;  // per triangle and one more: where its list begins in its group's
+  std::vector<std::uint32_t> around_;   // into kept_
 };
 
 // Who asks often needs only the ends, or only the triangles, and the compiler then leaves out the rest.

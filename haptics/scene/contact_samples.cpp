@@ -46,6 +46,7 @@ void ContactSamples::sort() {
   sorted.reserve(set_.samples.size());
   for (const std::uint32_t i : order) sorted.push_back(set_.samples[i]);
   set_.samples = std::move(sorted);
+  set_.normals.shrink_to_fit();
   points_.reserve(set_.samples.size());
   for (const ContactSample& sample : set_.samples) {
     points_.emplace_back(glm::vec3(sample.point), sample.along);

@@ -85,7 +85,7 @@ TEST(MeshEdges, HoldFewBytesBesideTheirLists) {
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) listed += edges.around(t).size();
   const std::size_t beside = edges.memory() - listed * sizeof(std::uint32_t);
   // Were ends, faces and normals kept, it would be 28 of a triangle and 32 of an edge.
-  EXPECT_LE(beside, 5 * (mesh.triangles.size() + edges.count()));
+  EXPECT_LE(beside, 3 * mesh.triangles.size() + 4 * edges.count());
 }
 
 TEST(MeshEdges, StandAloneInABoxAndNearEachOtherInAThread) {
