@@ -141,7 +141,13 @@ void CandidateRows::addSampleRow(std::uint32_t i, const glm::vec3& place, const 
   if (sample.along > 0.0f) dip = edgeDip(sample, place, read, least - query_.limit);
   if (dip.ofBlade) return addAnsweredRows(i, place, nullptr, least - sample.along);
   if (!asItLies) dip.depth = 0.0f;
-  if (!smooth && least - dip.depth > query_.limit) return clearAlong(sample, place, read);
+  if (!smooth && least - dip.depth > query_.limit) {
+    clearAlong(sample, place, read);
+    if (clear_ > query_.limit) return;
+    // Elsewhere along the piece it may touch another place of the target, as it did when last queried.
+    if (const SampleAnswer* const answer = trustedAnswer(i, place)) addPlanes(i, place, *answer, nullptr);
+    return;
+  }
   if (dip.depth > kShallow * query_.smooth) {
     if (const SampleAnswer* const answer = trustedAnswer(i, place))
       return addPlanes(i, place, *answer, nullptr);

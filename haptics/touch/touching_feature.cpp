@@ -40,7 +40,7 @@ struct Crossing {
   double onSample, onEdge;   // m, from the sample's point, and from the first end of the other edge
 };
 
-/// Whether two edges cross, up to `past` m beyond the ends of `edge`.
+/// Whether two edges cross now or at the end of the sample's motion, up to `past` m beyond the ends of `edge`.
 bool linesCross(const EdgeLine& edge, const SampleQuery& sample, double past, Crossing& at) {
   const double length = glm::length(edge.b - edge.a);
   at.along = (edge.b - edge.a) / length;
@@ -49,11 +49,17 @@ bool linesCross(const EdgeLine& edge, const SampleQuery& sample, double past, Cr
   if (sine < kCrossing) return false;
   at.across /= sine;
   // Closest points of the two lines (Ericson, Real-Time Collision Detection, 5.1.9).
+  const double b = glm::dot(sample.edge, at.along);
+  const auto cross = [&](const glm::dvec3& r) {
+    const double c = glm::dot(sample.edge, r), f = glm::dot(at.along, r);
+    at.onSample = (b * f - c) / (sine * sine);
+    at.onEdge = f + at.onSample * b;
+    return std::abs(at.onSample) <= sample.along && at.onEdge >= -past && at.onEdge <= length + past;
+  };
   const glm::dvec3 r = sample.point - edge.a;
-  const double b = glm::dot(sample.edge, at.along), c = glm::dot(sample.edge, r), f = glm::dot(at.along, r);
-  at.onSample = (b * f - c) / (sine * sine);
-  at.onEdge = f + at.onSample * b;
-  return !(std::abs(at.onSample) > sample.along || at.onEdge < -past || at.onEdge > length + past);
+  // The corner at the end of one edge may slide off the other, and the edges then cross beside it.
+  const bool atTheEnd = cross(r + sample.motion);
+  return cross(r) || atTheEnd;
 }
 
 /// The plane of two edges that cross, normal to both, where each is an edge of its body in that direction.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <random>
 
 #include "tests/haptics/contact/part_contact_case.h"
@@ -76,10 +77,12 @@ Pressed press(unsigned seed) {
   return {rig.deepest(), rig.deepest(rig.last().time - 0.05)};
 }
 
-void expectWithinBounds(unsigned seed) {
+/// m, the depth of one press.
+double expectWithinBounds(unsigned seed) {
   const Pressed found = press(seed);
   EXPECT_LE(found.deepest, kFastDepth) << seed;
   EXPECT_LE(found.end, kSteadyDepth) << seed;
+  return found.deepest;
 }
 
 TEST(RandomPresses, GoNoDeeperThanTheirBounds) {
@@ -98,19 +101,20 @@ TEST(RandomPresses, ATipStaysInItsNotch) {
   for (const unsigned seed : {445u, 690u, 975u}) expectWithinBounds(seed);
 }
 
-/// Not all do: where an edge passes a corner of a notch or of a blade. No more than are known of, no deeper.
-TEST(RandomPresses, BeyondTheirBoundsAreFew) {
+/// The corner at the end of one edge slides off another edge, and the two cross from then on. Judged only by where
+/// they cross before, they go 23 to 46 um deep.
+TEST(RandomPresses, EdgesDoNotPassWhereACornerSlidesOff) {
+  for (const unsigned seed : {1658u, 3312u, 3442u, 3674u}) expectWithinBounds(seed);
+}
+
+/// TANDEM_SEEDS sets how many, TANDEM_FIRST_SEED the first one.
+TEST(RandomPresses, OfManyNoneGoesDeeper) {
   if (!atFullSize()) GTEST_SKIP() << "set TANDEM_FULL_SIZE";
-  int beyond = 0;
+  const unsigned first = numberOf("TANDEM_FIRST_SEED", 0), count = numberOf("TANDEM_SEEDS", 1000);
   double deepest = 0.0;
-  for (unsigned seed = 0; seed < 1000; ++seed) {
-    const Pressed found = press(seed);
-    beyond += found.deepest > kFastDepth || found.end > kSteadyDepth ? 1 : 0;
-    deepest = std::max(deepest, found.deepest);
-  }
-  printf("%d of 1000 beyond their bounds, %.1f um at most\n", beyond, 1e6 * deepest);
-  EXPECT_LE(beyond, 5);
-  EXPECT_LT(deepest, 35e-6);
+  for (unsigned seed = first; seed < first + count; ++seed)
+    deepest = std::max(deepest, expectWithinBounds(seed));
+  std::printf("of %u presses none goes deeper than %.1f um\n", count, 1e6 * deepest);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ using haptics::MeshEdge;
 using haptics::MeshEdges;
 using haptics::SampleQuery;
 using haptics::TouchingFeature;
+using haptics::TouchingPlane;
 using haptics::TriangleBvh;
 
 struct Ground {
@@ -182,6 +183,24 @@ TEST(TouchingFeature, OfCrossingEdgesIsNormalToBoth) {
   EXPECT_NEAR(found.planes[0].gap, 3e-6, 1e-12);
   EXPECT_LT(glm::length(found.planes[0].normal - glm::normalize(glm::dvec3(1.0, 0.0, 1.0))), 1e-9);
   EXPECT_LT(glm::length(found.planes[0].point - crossing), 1e-9);
+}
+
+TEST(TouchingFeature, OfEdgesThatCrossAtTheEndOfTheMotionIsNormalToBoth) {
+  const Ground ground(boxMesh(glm::dvec3(0.02)));
+  const glm::dvec3 along = glm::normalize(glm::dvec3(1.0, 0.0, -1.0));
+  const std::array<glm::dvec3, 2> normals{glm::normalize(glm::dvec3(-1.0, 1.0, -1.0)),
+                                          glm::normalize(glm::dvec3(-1.0, -1.0, -1.0))};
+  // The edge of above ends 20 um before the box's edge, and is moved along itself over it or back.
+  const glm::dvec3 over = glm::dvec3(0.01, 0.001, 0.01) + 3e-6 * glm::normalize(glm::dvec3(1.0, 0.0, 1.0));
+  const auto gapAfter = [&](double motion) {
+    SampleQuery sample = corner(over - 3.2e-4 * along, motion * along, normals);
+    sample.edge = along;
+    sample.along = 3e-4;
+    const TouchingPlane plane = ground.at(sample).planes[0];
+    return glm::length(plane.normal - glm::normalize(glm::dvec3(1.0, 0.0, 1.0))) < 1e-9 ? plane.gap : 1.0;
+  };
+  EXPECT_NEAR(gapAfter(4e-5), 3e-6, 1e-12);
+  EXPECT_EQ(gapAfter(-4e-5), 1.0);
 }
 
 TEST(TouchingFeature, AtTheMouthOfAHollowCornerBothPlanesAreNormalToTheEdgeThatLeavesIt) {
