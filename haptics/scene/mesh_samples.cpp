@@ -16,18 +16,22 @@ namespace {
 
 // Cells over which a smooth surface turns as much as counts for the sample of one.
 constexpr double kBeyondCell = 1.5;
+// Facings of samples in a cell, along an axis from the middle to either end: each takes some 30 degrees.
+constexpr double kFacings = 2.0;
 
-/// A grid whose cells each hold at most one sample.
+/// A grid whose cells each hold at most one sample for the places that face one way: a small rounding turns by a
+/// right angle within a cell.
 class Thinning {
  public:
   Thinning(const glm::dvec3& origin, double cell) : origin_(origin), cell_(cell) {}
-  /// The sample in the cell of p; `sample` where there was none.
-  std::uint32_t sampleAt(const glm::dvec3& p, std::uint32_t sample) {
-    const glm::dvec3 q = glm::floor((p - origin_) / cell_);
-    const auto part = [](double x) {
-      return static_cast<std::uint64_t>(static_cast<std::int64_t>(x)) & 0x1fffffu;
+  /// The sample in the cell of p, of those that face like it; `sample` where there was none.
+  std::uint32_t sampleAt(const glm::dvec3& p, const glm::dvec3& facing, std::uint32_t sample) {
+    const glm::dvec3 q = glm::floor((p - origin_) / cell_), n = glm::round(kFacings * facing);
+    const auto part = [](double x, std::uint64_t bits) {
+      return static_cast<std::uint64_t>(static_cast<std::int64_t>(x)) & bits;
     };
-    return samples_.emplace(part(q.x) | part(q.y) << 21 | part(q.z) << 42, sample).first->second;
+    const auto at = [&](double x, double facingX) { return part(x, 0x3ffffu) << 3 | part(facingX, 7u); };
+    return samples_.emplace(at(q.x, n.x) | at(q.y, n.y) << 21 | at(q.z, n.z) << 42, sample).first->second;
   }
 
  private:
@@ -127,7 +131,8 @@ void MeshSampler::sampleSmooth(std::vector<bool>& sampled) {
   Thinning cells(mesh_.bounds.min, smoothSpacing_);
   const auto add = [&](std::uint32_t i, const glm::dvec3& p) {
     const auto normals = edges_.normals(i);
-    const auto fresh = static_cast<std::uint32_t>(out_.samples.size()), at = cells.sampleAt(p, fresh);
+    const auto fresh = static_cast<std::uint32_t>(out_.samples.size()),
+               at = cells.sampleAt(p, glm::normalize(normals[0] + normals[1]), fresh);
     if (at == fresh) {
       const auto first = static_cast<std::uint32_t>(out_.normals.size());
       out_.normals.insert(out_.normals.end(), normals.begin(), normals.end());

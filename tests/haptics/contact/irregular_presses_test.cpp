@@ -133,6 +133,7 @@ TEST(IrregularPresses, OfSmoothSurfacesAreJudgedBetweenTheirSamples) {
                 {Family::blobs, 27, 0},
                 {Family::blobs, 4, 5},
                 {Family::blocks, 8, 4},
+                {Family::blocks, 228, 1},
                 {Family::turned, 45, 0}});
 }
 

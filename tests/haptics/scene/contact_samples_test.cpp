@@ -1,9 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include "haptics/scene/contact_samples.h"
+#include "tests/support/part_meshes.h"
 #include "tests/support/shapes.h"
 
 namespace tandem::test {
@@ -62,6 +65,36 @@ TEST(ContactSamples, CoverASphereAndNoHollow) {
   for (auto& t : hollow.triangles) std::swap(t[0], t[1]);
   for (auto& n : hollow.neighbours) std::swap(n[1], n[2]);
   EXPECT_EQ(samplesOf(hollow).samples().size(), 0u);
+}
+
+/// A rounding that is smaller than the spacing of smooth samples turns by a right angle within it.
+TEST(ContactSamples, CoverEveryWayThatASmallRoundingFaces) {
+  constexpr double kRadius = 2e-4;
+  constexpr int kFacets = 24;
+  std::vector<glm::dvec2> outline;
+  std::array<glm::dvec2, 4> centres;
+  for (int corner = 0; corner < 4; ++corner) {
+    const double x = corner == 0 || corner == 3 ? 1.0 : -1.0, y = corner < 2 ? 1.0 : -1.0;
+    centres[static_cast<std::size_t>(corner)] = {x * (0.01 - kRadius), y * (0.005 - kRadius)};
+    for (int i = 0; i <= kFacets; ++i) {
+      const double angle = 0.5 * kPi * (corner + static_cast<double>(i) / kFacets);
+      outline.push_back(centres[static_cast<std::size_t>(corner)] +
+                        kRadius * glm::dvec2(std::cos(angle), std::sin(angle)));
+    }
+  }
+  const ContactSamples samples = samplesOf(meshOf(prismSoup(outline, 0.01)));
+  ASSERT_GT(samples.smoothSpacing(), 2.0 * kRadius);
+  for (int i = 0; i < 4 * kFacets; ++i) {
+    const double angle = 0.5 * kPi * (i + 0.5) / kFacets;
+    const glm::dvec2 &centre = centres[static_cast<std::size_t>(i / kFacets)],
+                     facing(std::cos(angle), std::sin(angle));
+    const bool covered = std::any_of(samples.samples().begin(), samples.samples().end(), [&](const auto& s) {
+      const glm::dvec2 from = glm::dvec2(s.point) - centre;
+      return ContactSamples::isSmooth(s) && glm::length(from) < 1.01 * kRadius &&
+             glm::dot(from, facing) > std::cos(0.4) * kRadius;
+    });
+    EXPECT_TRUE(covered) << angle;
+  }
 }
 
 TEST(ContactSamples, BallsOfTheTreeHoldTheirSamples) {
