@@ -19,8 +19,8 @@ constexpr double kBeyondCell = 1.5;
 // Facings of samples in a cell, along an axis from the middle to either end: each takes some 30 degrees.
 constexpr double kFacings = 2.0;
 
-/// A grid whose cells each hold at most one sample for the places that face one way: a small rounding turns by a
-/// right angle within a cell.
+/// A grid whose cells each hold at most one sample for the places that face one way: a small rounding turns
+/// by a right angle within a cell.
 class Thinning {
  public:
   Thinning(const glm::dvec3& origin, double cell) : origin_(origin), cell_(cell) {}

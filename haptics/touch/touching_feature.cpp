@@ -40,7 +40,8 @@ struct Crossing {
   double onSample, onEdge;   // m, from the sample's point, and from the first end of the other edge
 };
 
-/// Whether two edges cross now or at the end of the sample's motion, up to `past` m beyond the ends of `edge`.
+/// Whether two edges cross now or at the end of the sample's motion, up to `past` m beyond the ends of
+/// `edge`.
 bool linesCross(const EdgeLine& edge, const SampleQuery& sample, double past, Crossing& at) {
   const double length = glm::length(edge.b - edge.a);
   at.along = (edge.b - edge.a) / length;

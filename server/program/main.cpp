@@ -165,7 +165,8 @@ Result<Server> prepare(Options& options, int& exitCode) {
                 std::move(*transport), std::move(*journal), std::move(recording), session};
 }
 
-/// Says what reading the scene found that may be wrong: of the whole scene in words, of single meshes how many.
+/// Says what reading the scene found that may be wrong: of the whole scene in words, of single meshes how
+/// many.
 void logFindings(const assets::Scene& scene, const std::string& file) {
   std::set<std::string> flawed;
   for (const assets::Finding& finding : scene.findings) {

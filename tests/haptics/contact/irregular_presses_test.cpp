@@ -149,8 +149,8 @@ TEST(IrregularPresses, DescendAnewWhereThatMayBeWorthIt) {
   expectWithin({{Family::turned, 41, 1}, {Family::turned, 11, 3}, {Family::turned, 2, 4}});
 }
 
-/// 31 um deep where a piece of edge lies well over the surface in its middle, and touches at its end: the planes of
-/// its last answer hold it.
+/// 31 um deep where a piece of edge lies well over the surface in its middle, and touches at its end: the
+/// planes of its last answer hold it.
 TEST(IrregularPresses, KeepWhatAnEdgeTouchesAtItsEnd) { expectWithin({{Family::turned, 133, 3}}); }
 
 TEST(IrregularPresses, GoDeeperAtTheSamplesAlone) {
