@@ -29,7 +29,8 @@ std::vector<glm::dvec3> readPositions(const GltfDocument& document, std::size_t 
 /// the accessor is not one that glTF allows for normals.
 std::vector<glm::dvec3> readNormals(const GltfDocument& document, std::size_t accessor, std::size_t count);
 
-/// Where the bytes of a buffer view lie after decompression, within a checked range.
+/// The range of a buffer view's bytes, in their decompressed form where the file compresses them. Throws
+/// GltfError if it reaches past the end of its buffer.
 GltfRange viewRange(const GltfDocument& document, std::size_t view);
 
 /// A VEC2 accessor as finite texture coordinates: floats, or integers, normalised or not.

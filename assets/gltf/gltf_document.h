@@ -31,7 +31,7 @@ struct GltfDocument {
   GltfDocument(const GltfDocument&) = delete;
   GltfDocument& operator=(const GltfDocument&) = delete;
 
-  /// Throws GltfError if a file is no longer as it was opened.
+  /// GltfSource::requireUnchanged() of all files.
   void requireUnchanged() const;
 
   GltfSource file;                       // the file itself

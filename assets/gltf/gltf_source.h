@@ -4,7 +4,7 @@
 // when it is needed. For the loader's sources only.
 //
 // 1. A file may be changed by others while it is open. What was read stays as it was read; a read that finds
-//    the file too short throws GltfError, and requireUnchanged() finds every other change.
+//    the file too short throws GltfError, and requireUnchanged() tells by size and time of change.
 // 2. Any thread may read.
 
 #include <cstddef>
@@ -41,14 +41,15 @@ class GltfSource {
  public:
   GltfSource() = default;
   explicit GltfSource(Bytes inMemory) : bytes_(std::move(inMemory)), size_(bytes_.size()) {}
-  /// A regular file below 2 GiB; `place` stands in messages. Small files are read at once, and large ones too
-  /// unless they may be kept open. Throws GltfError.
+  /// A regular file below 2 GiB; `place` stands in messages. Files of up to 1 MiB are read at once, and
+  /// larger ones too unless they may be kept open. Throws GltfError.
   GltfSource(const std::string& path, const std::string& place, bool keepOpen = true);
 
   std::size_t size() const { return size_; }
   /// 0 <= at, at + count <= size(). The piece must not outlive this.
   GltfPiece read(std::size_t at, std::size_t count) const;
-  /// Throws GltfError if the file is no longer as it was opened.
+  /// Throws GltfError if the size of the file or the time of its last change is another than when it was
+  /// opened. A write of the same length within the resolution of that time stays unnoticed.
   void requireUnchanged() const;
 
  private:

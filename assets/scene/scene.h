@@ -186,7 +186,7 @@ std::size_t triangleCount(const Scene& scene);
 /// passes the scene on as a package and touches nothing. triangleCount() is 0 then.
 void dropGeometry(Scene& scene);
 
-/// Empties the lists of triangles' shells, which only packages hold: for who packs the scene no more.
+/// Empties Mesh::triangleShell of all meshes; only packScene() reads it.
 void dropShells(Scene& scene);
 
 /// The part with this name, or kNoPart.

@@ -160,7 +160,7 @@ Coupling couplingOf(Grip& grip, const HandPull& hand, const RigidBody& body, con
       gains.rotStiffness * angle + gains.rotDamping * (device.twist.angular - body.twist.angular);
   const double arm =
       glm::length(worldFromGrip.position - transformPoint(body.worldFromBody, body.centreOfMass));
-  // Force and torque that are asked for, as shares of their limits.
+  // The spring's force and the torque of spring and damper, each divided by its limit.
   const double stretch = gains.stiffness * gap / (hand.forceLimit + tie.weight);
   const double twist = glm::length(torque) / (hand.torqueLimit + arm * tie.weight);
   const double most = std::max(stretch, twist);

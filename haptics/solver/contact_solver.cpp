@@ -103,28 +103,27 @@ void ContactSolver::obeyRows(ContactRows& rows, RowRefiner& refiner) {
   }
 }
 
+bool ContactSolver::refine(RowSource source, PairMotions u, ContactRows& rows, RowRefiner& refiner) {
+  ++iterations_;
+  const int first = rows.exactRows();
+  refiner.refine(source, u[source.pair], rows);
+  return rows.worstExact(u, tolerance_, first) >= 0;
+}
+
 bool ContactSolver::refineViolated(ContactRows& rows, RowRefiner& refiner) {
   const PairMotions u = space_.pairMotions();
   // u changes only when an exact row is violated, so candidates are refined until one is.
   const int alreadyExact = rows.exactRows();
   for (int ball = rows.nextBall(u, 0); ball >= 0 && iterations_ < maxIterations_;
        ball = rows.nextBall(u, ball)) {
-    ++iterations_;
-    const RowSource source = rows.ballSource(ball);
     rows.dropBall(ball);
-    const int first = rows.exactRows();
-    refiner.refine(source, u[source.pair], rows);
-    if (rows.worstExact(u, tolerance_, first) >= 0) break;
+    if (refine(rows.ballSource(ball), u, rows, refiner)) break;
   }
   if (rows.worstExact(u, tolerance_, alreadyExact) >= 0) return true;
   for (int plane = rows.worstPlane(u, tolerance_); plane >= 0 && iterations_ < maxIterations_;
        plane = rows.worstPlane(u, tolerance_)) {
-    ++iterations_;
-    const RowSource source = rows.planeSource(plane);
     rows.dropPlane(plane);
-    const int first = rows.exactRows();
-    refiner.refine(source, u[source.pair], rows);
-    if (rows.worstExact(u, tolerance_, first) >= 0) return true;
+    if (refine(rows.planeSource(plane), u, rows, refiner)) return true;
   }
   return refineBeside(rows, refiner);
 }
@@ -137,11 +136,8 @@ bool ContactSolver::refineBeside(ContactRows& rows, RowRefiner& refiner) {
     if (iterations_ >= maxIterations_) break;
     const RowSource source = rows.planeSource(low.plane);
     if (!refiner.mayTouchBeside(source, rows.planeNormal(low.plane), low.room, u[source.pair])) continue;
-    ++iterations_;
     rows.dropPlane(low.plane);
-    const int first = rows.exactRows();
-    refiner.refine(source, u[source.pair], rows);
-    if (rows.worstExact(u, tolerance_, first) >= 0) return true;
+    if (refine(source, u, rows, refiner)) return true;
   }
   return false;
 }

@@ -66,6 +66,8 @@ class ContactSolver {
   void restoreActive(ContactRows& rows);
   /// Makes violated rows active until none is left; ends early where parts turn out to be squeezed.
   void obeyRows(ContactRows& rows, RowRefiner& refiner);
+  /// Makes the row of a sample exact; whether u violates what it has become.
+  bool refine(RowSource source, PairMotions u, ContactRows& rows, RowRefiner& refiner);
   /// Makes candidates exact until an exact row is violated; false if no candidate is violated.
   bool refineViolated(ContactRows& rows, RowRefiner& refiner);
   /// The same for planes beside which a part may touch.

@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::size_t kMebibyte = 1 << 20;
 
-/// A file of a box whose numbers lie behind `before` bytes that nothing uses.
+/// A .glb of a box, whose vertices and triangles come after `before` unused bytes of the binary chunk.
 Bytes boxBehind(std::size_t before) {
   tests::GltfBuilder b;
   b.binary.resize(before);

@@ -101,8 +101,8 @@ TEST(RandomPresses, ATipStaysInItsNotch) {
   for (const unsigned seed : {445u, 690u, 975u}) expectWithinBounds(seed);
 }
 
-/// The corner at the end of one edge slides off another edge, and the two cross from then on. Judged only by
-/// where they cross before, they go 23 to 46 um deep.
+/// The corner at the end of one edge slides off another edge, and the two cross from then on. Where edges
+/// count only if they cross at the start of a step, these presses go 23 to 46 um deep.
 TEST(RandomPresses, EdgesDoNotPassWhereACornerSlidesOff) {
   for (const unsigned seed : {1658u, 3312u, 3442u, 3674u}) expectWithinBounds(seed);
 }
