@@ -32,6 +32,7 @@ class DueSamples {
   void read() {
     push(0);
     while (top_ > 0) readBalls(kAtOnce);
+    readSamples();
     close();
   }
 
@@ -45,6 +46,7 @@ class DueSamples {
     while (top_ > 0 && !work.pauses(kMost)) {
       work.spend(static_cast<int>(ContactSamples::kMaxInLeaf) * CountedWork::kReading);
       readBalls(1);
+      readSamples();
     }
     const bool done = top_ == 0;
     close();
@@ -84,6 +86,8 @@ class DueSamples {
     std::uint32_t closedCount = 0, leafCount = 0;
     const auto open = [&](std::uint32_t n) {
       if (node(n).second == 0) {
+        __builtin_prefetch(&due_.samples[node(n).begin]);
+        __builtin_prefetch(&samples_.points()[node(n).begin]);
         leaves[leafCount++] = n;
         return;
       }
@@ -113,34 +117,44 @@ class DueSamples {
       else
         open(closed[k]);
     }
-    for (std::uint32_t l = 0; l < leafCount; ++l) readLeaf(leaves[l]);
+    for (std::uint32_t l = 0; l < leafCount; ++l) collect(leaves[l]);
   }
 
-  void readLeaf(std::uint32_t n) {
+  /// Takes the samples of a leaf that are due. Those of several leaves are read at a time.
+  void collect(std::uint32_t n) {
     const Node& leaf = node(n);
-    std::array<std::uint32_t, kAtOnce> dueNow;
-    std::array<glm::vec3, kAtOnce> at;
-    std::uint32_t count = 0;
-    float least = 1e30f;
+    const float allowed = allowed_.least(centreOf(leaf), motion_(centreOf(leaf)), leaf.radius);
+    due_.nodes[n] = 1e30f;
     for (std::uint32_t i = leaf.begin; i < leaf.end; ++i) {
       if (due_.samples[i] > end_) {
-        least = std::min(least, due_.samples[i]);
+        due_.nodes[n] = std::min(due_.nodes[n], due_.samples[i]);
         continue;
       }
-      at[count] = motion_(glm::vec3(samples_.points()[i]));
-      dueNow[count++] = i;
+      if (collected_ == kAtOnce) readSamples();
+      at_[collected_] = motion_(glm::vec3(samples_.points()[i]));
+      sample_[collected_++] = {i, n, allowed};
     }
-    field_.read(at.data(), count, readings_.data());
-    const float allowed = allowed_.least(centreOf(leaf), motion_(centreOf(leaf)), leaf.radius);
-    for (std::uint32_t k = 0; k < count; ++k) {
-      const std::uint32_t i = dueNow[k];
-      float clear = readings_[k].distance - readings_[k].error - samples_.points()[i].w + allowed;
-      if (clear <= reach_) clear = visit_(i, at[k], readings_[k]);
-      due_.samples[i] = due_.until(clear);
-      least = std::min(least, due_.samples[i]);
-    }
-    due_.nodes[n] = least;
   }
+
+  /// Reads the samples that have been collected.
+  void readSamples() {
+    field_.read(at_.data(), collected_, readings_.data());
+    for (std::uint32_t k = 0; k < collected_; ++k) {
+      const Collected& sample = sample_[k];
+      float clear =
+          readings_[k].distance - readings_[k].error - samples_.points()[sample.index].w + sample.allowed;
+      if (clear <= reach_) clear = visit_(sample.index, at_[k], readings_[k]);
+      const float until = due_.until(clear);
+      due_.samples[sample.index] = until;
+      due_.nodes[sample.leaf] = std::min(due_.nodes[sample.leaf], until);
+    }
+    collected_ = 0;
+  }
+
+  struct Collected {
+    std::uint32_t index, leaf;
+    float allowed;  // m that it may be deep
+  };
 
   const ContactSamples& samples_;
   const DistanceField& field_;
@@ -151,6 +165,10 @@ class DueSamples {
   const Visit& visit_;
   float end_;  // time until which samples are due
   std::array<DistanceField::Reading, kAtOnce> readings_;
+  // Samples that are due and have not been read yet, and where they are.
+  std::array<Collected, kAtOnce> sample_;
+  std::array<glm::vec3, kAtOnce> at_;
+  std::uint32_t collected_ = 0;
   // A tree of 2^32 samples is 28 levels deep, and each level leaves at most kAtOnce balls behind.
   std::array<std::uint32_t, 40 * kAtOnce> stack_;
   std::size_t top_ = 0, visited_ = 0;

@@ -169,7 +169,8 @@ SampleQuery SampleRefiner::sampleQueryFor(const SideQuery& query, const ContactS
 
 void SampleRefiner::readField(const SideQuery& query, SampleQuery& sampleQuery) const {
   const DistanceField& field = query.to->field;
-  const DistanceField::Reading around = field.read(glm::vec3(sampleQuery.point - field.origin()));
+  const DistanceField::Reading around =
+      field.read(glm::vec3(sampleQuery.point - field.origin()), sampleQuery.near);
   sampleQuery.nearest = static_cast<double>(1.001f * (std::abs(around.distance) + around.error));
   // Where the field's error leaves the side open, the sample is outside, for it came from there.
   sampleQuery.outside =

@@ -50,6 +50,65 @@ bool closestPointOn(const Triangle& triangle, const glm::dvec3& p, const Section
   return left.has_value();
 }
 
+/// Tests triangles, four at a time, for the one that is nearest to a point. On a tie it is the one of the
+/// lower index, so that the result does not depend on the order.
+class NearestSearch {
+ public:
+  /// Triangles beyond `maxDistance` (m) do not count.
+  NearestSearch(const TriangleBvh& tree, const glm::dvec3& p, double maxDistance, const Sections* cut,
+                MeshPoint& nearest)
+      : tree_(tree),
+        p_(p),
+        cut_(cut),
+        nearest_(nearest),
+        bestSquare_(maxDistance * maxDistance),
+        bound_(roundUp(maxDistance)),
+        rounding_(roundUp(tree.coordinateRounding(p))) {}
+
+  /// At most four.
+  void test(const std::uint32_t* triangles, std::uint32_t count) {
+    const Triangles4 corners = leafTriangles(tree_.mesh(), triangles, count, p_);
+    const DistanceBound4 least = boundDistance(corners, awayFrom(corners), Vec4{});
+    const int far = lessMask(Float4(bound_) + rounding_, least.distance - least.error);
+    for (std::uint32_t i = 0; i < count; ++i)
+      if ((far >> i & 1) == 0) testOne(triangles[i]);
+  }
+  /// m, what is farther away does not count.
+  float bound() const { return bound_; }
+  std::uint64_t tested() const { return tested_; }
+  /// Whether any has been found, whose distance is then set.
+  bool finish() {
+    if (found_) nearest_.distance = std::sqrt(bestSquare_);
+    return found_;
+  }
+
+ private:
+  void testOne(std::uint32_t index) {
+    ++tested_;
+    TrianglePoint closest;
+    if (!closestPointOn(tree_.triangle(index), p_, cut_, closest)) return;
+    const glm::dvec3 offset = p_ - closest.point;
+    const double square = glm::dot(offset, offset);
+    if (square > bestSquare_ || (square == bestSquare_ && found_ && index > nearest_.triangle)) return;
+    found_ = true;
+    bestSquare_ = square;
+    bound_ = roundUp(std::sqrt(square));
+    nearest_.triangle = index;
+    nearest_.point = closest.point;
+    nearest_.onFace = closest.onFace;
+  }
+
+  const TriangleBvh& tree_;
+  const glm::dvec3& p_;
+  const Sections* const cut_;
+  MeshPoint& nearest_;
+  double bestSquare_;
+  float bound_;
+  const Float4 rounding_;
+  bool found_ = false;
+  std::uint64_t tested_ = 0;
+};
+
 void noteWork(std::uint64_t nodes, std::uint64_t triangles) {
   ++queryWork.queries;
   queryWork.nodes += nodes;
@@ -85,48 +144,34 @@ bool TriangleBvh::closestPoint(const glm::dvec3& p, double maxDistance, MeshPoin
   if (empty()) return false;
   const glm::dvec3 q = p - extent_.centre;
   const NearBoxes near(q, extent_.largest + glm::length(q));
-  double bestSquare = maxDistance * maxDistance;
-  float bound = roundUp(maxDistance);
-  const Float4 rounding(roundUp(coordinateRounding(p)));
-  bool found = false;
-  std::uint64_t nodes = 0, triangles = 0;
+  NearestSearch search(*this, p, maxDistance, cut, nearest);
+  std::uint64_t nodes = 0;
   BvhStack stack;
   PendingNode next{0, 0.0f};
   do {
-    if (next.bound > bound) continue;
+    if (next.bound > search.bound()) continue;
     if ((next.child & kLeafBit) == 0) {
       ++nodes;
       const Node& node = nodes_[next.child];
       alignas(16) float bounds[4];
-      const int mask = near.within(node, bound, bounds);
+      const int mask = near.within(node, search.bound(), bounds);
       if (mask != 0) stack.pushOrdered(node.child, bounds, mask);
       continue;
     }
-    const std::uint32_t first = next.child & kLeafFirstMask, count = leafCount(next.child);
-    const Triangles4 corners = haptics::leafTriangles(*mesh_, order_.data() + first, count, p);
-    const DistanceBound4 least = boundDistance(corners, awayFrom(corners), Vec4{});
-    const int far = lessMask(Float4(bound) + rounding, least.distance - least.error);
-    for (std::uint32_t i = 0; i < count; ++i) {
-      if ((far >> i & 1) != 0) continue;
-      ++triangles;
-      const std::uint32_t index = order_[first + i];
-      TrianglePoint closest;
-      if (!closestPointOn(triangle(index), p, cut, closest)) continue;
-      const glm::dvec3 offset = p - closest.point;
-      const double square = glm::dot(offset, offset);
-      // A tie goes to the lower index, so the result does not depend on the order of visits.
-      if (square > bestSquare || (square == bestSquare && found && index > nearest.triangle)) continue;
-      found = true;
-      bestSquare = square;
-      bound = roundUp(std::sqrt(square));
-      nearest.triangle = index;
-      nearest.point = closest.point;
-      nearest.onFace = closest.onFace;
-    }
+    search.test(order_.data() + (next.child & kLeafFirstMask), leafCount(next.child));
   } while (stack.pop(next));
-  noteWork(nodes, triangles);
-  if (found) nearest.distance = std::sqrt(bestSquare);
-  return found;
+  noteWork(nodes, search.tested());
+  return search.finish();
+}
+
+bool TriangleBvh::closestPointAmong(std::span<const std::uint32_t> triangles, const glm::dvec3& p,
+                                    double maxDistance, MeshPoint& nearest) const {
+  NearestSearch search(*this, p, maxDistance, nullptr, nearest);
+  for (std::size_t i = 0; i < triangles.size(); i += 4)
+    search.test(triangles.data() + i,
+                static_cast<std::uint32_t>(std::min<std::size_t>(4, triangles.size() - i)));
+  noteWork(0, search.tested());
+  return search.finish();
 }
 
 NearLeaf TriangleBvh::nearestLeaf(const glm::dvec3& p, double reach) const {

@@ -71,6 +71,11 @@ class TriangleBvh {
   bool closestPoint(const glm::dvec3& p, double maxDistance, MeshPoint& nearest,
                     const Sections* cut = nullptr) const;
 
+  /// The same among the given triangles alone, without the tree: where the nearest one is known to be one of
+  /// a few.
+  bool closestPointAmong(std::span<const std::uint32_t> triangles, const glm::dvec3& p, double maxDistance,
+                         MeshPoint& nearest) const;
+
   /// The leaf whose box and slab are nearest to p, as far as they are within `reach`, else a bound of `reach`
   /// and no triangle. Tests no triangle, which makes it several times as fast as closestPoint().
   NearLeaf nearestLeaf(const glm::dvec3& p, double reach) const;

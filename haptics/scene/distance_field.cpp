@@ -10,7 +10,7 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr std::array<char, 8> kFieldMark = {'T', 'D', 'F', 'i', 'e', 'l', 'd', '1'};
+constexpr std::array<char, 8> kFieldMark = {'T', 'D', 'F', 'i', 'e', 'l', 'd', '2'};
 // Half a unit in the last place of a point and of the result, and the rounding already in the caller's point.
 constexpr float kReadRounding = 0x1p-22f;
 /// Larger grids along an axis would be useless and exceed float indices.
@@ -84,7 +84,8 @@ void DistanceField::ofShapes(const glm::vec3* points, std::uint32_t count, Readi
 
 std::size_t DistanceField::memory() const {
   return sizeof *this + shapes_.size() * sizeof(Primitive) +
-         (top_.size() + blocks_.size()) * sizeof(std::uint32_t) + cells_.size() * sizeof(Cell);
+         (top_.size() + blocks_.size() + listAt_.size() + lists_.size()) * sizeof(std::uint32_t) +
+         cells_.size() * sizeof(Cell);
 }
 
 DistanceField::Reading DistanceField::beyond(const glm::vec3& p) const {
@@ -108,26 +109,29 @@ std::vector<std::byte> DistanceField::pack() const {
   put(bytes, lengths.data(), lengths.size());
   const std::uint32_t flags = (solid_ ? 1u : 0u) | (coarsened_ ? 2u : 0u);
   put(bytes, &flags, 1);
-  const std::array<std::uint64_t, 2> counts = {blocks_.size() / kBlock, cells_.size()};
+  const std::array<std::uint64_t, 3> counts = {blocks_.size() / kBlock, cells_.size(), lists_.size()};
   put(bytes, counts.data(), counts.size());
   put(bytes, top_.data(), top_.size());
   put(bytes, blocks_.data(), blocks_.size());
   put(bytes, cells_.data(), cells_.size());
+  put(bytes, listAt_.data(), listAt_.size());
+  put(bytes, lists_.data(), lists_.size());
   return bytes;
 }
 
-Result<DistanceField> DistanceField::unpack(std::span<const std::byte> bytes) {
+Result<DistanceField> DistanceField::unpack(std::span<const std::byte> bytes, std::size_t triangles) {
   const auto refused = [](const char* why) { return Error{std::string("distance field: ") + why}; };
   Reader in(bytes);
   DistanceField field;
   std::array<char, 8> mark{};
   std::array<double, 4> lengths{};
   std::uint32_t flags = 0;
-  std::array<std::uint64_t, 2> counts{};
+  std::array<std::uint64_t, 3> counts{};
   if (!in.read(mark.data(), mark.size()) || mark != kFieldMark) return refused("not one of this version");
   if (!in.read(&field.low_, 1) || !in.read(&field.perCell_, 1) || !in.read(field.count_, 3) ||
       !in.read(&field.boxLow_, 1) || !in.read(&field.boxHigh_, 1) || !in.read(&field.origin_, 1) ||
-      !in.read(lengths.data(), lengths.size()) || !in.read(&flags, 1) || !in.read(counts.data(), 2))
+      !in.read(lengths.data(), lengths.size()) || !in.read(&flags, 1) ||
+      !in.read(counts.data(), counts.size()))
     return refused("the bytes end too early");
   if (!isFinite(field.low_) || !isFinite(field.boxLow_) || !isFinite(field.boxHigh_) ||
       !(field.perCell_ > 0.0f) || !std::isfinite(field.perCell_) || !isFinite(glm::vec3(field.origin_)))
@@ -142,10 +146,11 @@ Result<DistanceField> DistanceField::unpack(std::span<const std::byte> bytes) {
     cubes *= field.count_[axis];
     field.size_[axis] = static_cast<float>(field.count_[axis] * kSpan);
   }
-  if (flags > 3 || counts[0] > bytes.size() || counts[1] > bytes.size())
+  if (flags > 3 || std::any_of(counts.begin(), counts.end(), [&](auto n) { return n > bytes.size(); }))
     return refused("a count is out of range");
   if (!in.readAll(field.top_, cubes) || !in.readAll(field.blocks_, counts[0] * kBlock) ||
-      !in.readAll(field.cells_, counts[1]) || !in.atEnd())
+      !in.readAll(field.cells_, counts[1]) || !in.readAll(field.listAt_, counts[1]) ||
+      !in.readAll(field.lists_, counts[2]) || !in.atEnd())
     return refused("the bytes do not hold what they announce");
   field.solid_ = (flags & 1) != 0;
   field.coarsened_ = (flags & 2) != 0;
@@ -154,6 +159,7 @@ Result<DistanceField> DistanceField::unpack(std::span<const std::byte> bytes) {
   field.band_ = lengths[2];
   field.worstSmoothError_ = lengths[3];
   if (!field.entriesAreSound()) return refused("an entry leads nowhere");
+  if (!field.listsAreSound(triangles)) return refused("a list of triangles is not one of this mesh");
   for (const Cell& cell : field.cells_)
     if (!isFinite(cell.gradient) || !std::isfinite(cell.offset) || !(cell.error >= 0.0f) ||
         !std::isfinite(cell.error))
@@ -181,6 +187,18 @@ bool DistanceField::entriesAreSound() const {
     }
   }
   return std::find(level.begin(), level.end(), 0) == level.end();
+}
+
+bool DistanceField::listsAreSound(std::size_t triangles) const {
+  std::vector<bool> begins(lists_.size(), false);
+  for (std::size_t at = 0; at < lists_.size(); at += 1 + std::size_t{lists_[at]}) {
+    if (lists_[at] > kMaxListed || lists_[at] >= lists_.size() - at) return false;
+    begins[at] = true;
+    for (std::size_t k = 1; k <= lists_[at]; ++k)
+      if (lists_[at + k] >= triangles) return false;
+  }
+  return std::all_of(listAt_.begin(), listAt_.end(),
+                     [&](std::uint32_t at) { return at < begins.size() && begins[at]; });
 }
 
 }  // namespace tandem::haptics

@@ -6,7 +6,7 @@
 //    may hold blocks again. Each undivided cube has an affine model of the distance and a proven bound of its
 //    error (cube_fit.h).
 // 2. Immutable after construction and safe in every thread. Afterwards it needs neither the tree nor the
-//    mesh.
+//    mesh. Cells beside edges, whose models are not exact, list the triangles that can be nearest there.
 // 3. The result does not depend on the number of threads.
 // 4. A part of implicit shapes needs no cells: a formula gives its distance everywhere.
 
@@ -52,6 +52,10 @@ class DistanceField {
     glm::vec3 gradient;
   };
 
+  static constexpr std::size_t kMaxListed = 32;
+  /// Triangles of the mesh, ascending, at most kMaxListed.
+  using Triangles = std::span<const std::uint32_t>;
+
   /// Bakes the field. MeshSides defines the inside of a mesh with defects. The tree is not kept.
   DistanceField(const TriangleBvh& tree, const Options& options);
 
@@ -68,6 +72,17 @@ class DistanceField {
     if (!shapes_.empty()) return ofShapes(p);
     const std::uint32_t* const entry = entryOf(p);
     return entry != nullptr ? readingAt(cells_[*entry & ~kLeaf], p) : beyond(p);
+  }
+
+  /// The same, and in `near` triangles one of which is nearest to p; empty where the field does not list them.
+  Reading read(const glm::vec3& p, Triangles& near) const {
+    near = {};
+    if (!shapes_.empty()) return ofShapes(p);
+    const std::uint32_t* const entry = entryOf(p);
+    if (entry == nullptr) return beyond(p);
+    const std::uint32_t cell = *entry & ~kLeaf;
+    near = listOf(cell);
+    return readingAt(cells_[cell], p);
   }
 
   static constexpr std::uint32_t kMaxAtOnce = 16;
@@ -109,9 +124,9 @@ class DistanceField {
 
   /// Serialises the field for a cache, for machines of this byte order.
   std::vector<std::byte> pack() const;
-  /// Reads a field from untrusted `bytes`. Inconsistent data is refused, and read() of an accepted field is
-  /// safe.
-  static Result<DistanceField> unpack(std::span<const std::byte> bytes);
+  /// Reads a field of a mesh of so many triangles from untrusted `bytes`. Inconsistent data is refused, and
+  /// read() of an accepted field is safe.
+  static Result<DistanceField> unpack(std::span<const std::byte> bytes, std::size_t triangles);
 
  private:
   friend class FieldBake;
@@ -147,10 +162,15 @@ class DistanceField {
   static Reading readingAt(const Cell& cell, const glm::vec3& p) {
     return {glm::dot(cell.gradient, p) + cell.offset, cell.error, cell.gradient};
   }
+  Triangles listOf(std::uint32_t cell) const {
+    const std::uint32_t* const list = &lists_[listAt_[cell]];
+    return {list + 1, *list};
+  }
   Reading beyond(const glm::vec3& p) const;
   Reading ofShapes(const glm::vec3& p) const;
   void ofShapes(const glm::vec3* points, std::uint32_t count, Reading* readings) const;
   bool entriesAreSound() const;
+  bool listsAreSound(std::size_t triangles) const;
 
   glm::vec3 low_{0.0f, 0.0f, 0.0f};     // m, corner of the grid relative to the origin
   float perCell_ = 0.0f;                // 1 / m
@@ -160,6 +180,9 @@ class DistanceField {
   std::vector<std::uint32_t> top_;
   std::vector<std::uint32_t> blocks_;  // kBlock entries each
   std::vector<Cell> cells_;
+  // Of each cell, where its list of triangles is in lists_: their number, then they. Cells share lists, and
+  // the first one is empty.
+  std::vector<std::uint32_t> listAt_, lists_;
   glm::vec3 boxLow_{0.0f, 0.0f, 0.0f}, boxHigh_{0.0f, 0.0f, 0.0f};  // m, of the mesh, relative to the origin
   glm::dvec3 origin_{0.0, 0.0, 0.0};                                // m, part frame
   double tolerance_ = 0.0, smallestCell_ = 0.0, band_ = 0.0, worstSmoothError_ = 0.0;  // m

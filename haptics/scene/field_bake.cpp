@@ -9,6 +9,7 @@
 #include <memory>
 #include <numeric>
 #include <thread>
+#include <unordered_map>
 #include <utility>
 
 #include <glm/common.hpp>
@@ -51,6 +52,9 @@ constexpr double kAlone = 3.0;
 /// A model this many times worse than allowed may still become good enough along the mean of the faces'
 /// normals.
 constexpr double kSecondTry = 4.0;
+
+/// Triangles are listed where contact asks for them: at an error of more tolerances than this.
+constexpr double kListedError = 2.0;
 
 /// Balls about the triangles, m relative to the origin: a first bound of a triangle's distance.
 struct Ball {
@@ -107,7 +111,16 @@ class FieldBake {
     std::uint32_t root = 0;
     std::vector<std::uint32_t> blocks;
     std::vector<DistanceField::Cell> cells;
+    std::vector<std::uint32_t> listAt, lists{0};             // as in a DistanceField
+    std::unordered_map<std::uint64_t, std::uint32_t> known;  // lists by their hash
     double worstSmooth = 0.0;
+
+    std::size_t memory() const {
+      return (blocks.size() + listAt.size() + lists.size()) * sizeof(std::uint32_t) +
+             cells.size() * sizeof(DistanceField::Cell) + sizeof(std::uint32_t);
+    }
+    /// Where a list stands, after it has been added if it is new.
+    std::uint32_t place(const std::vector<std::uint32_t>& list);
   };
   /// A cube of the recursion.
   struct Job {
@@ -147,7 +160,11 @@ class FieldBake {
   MeshSides::Side sideOf(const FieldCube& cube, const MeshPoint& nearest, const Known& around) const;
   /// Error that the caps of slits near a cube may cause, m.
   double errorOfCaps(std::span<const std::uint32_t> near) const;
-  void store(const Job& job, const CubeModel& model, Piece& piece) const;
+  /// Keeps the triangles that can be nearest to a point of the cube, if they are few, and none otherwise.
+  void keepNearest(const FieldCube& cube, double nearest, std::vector<std::uint32_t>& near) const;
+  /// Adds a cell with its list of triangles.
+  void store(const Job& job, const CubeModel& model, const std::vector<std::uint32_t>& near,
+             Piece& piece) const;
   /// Whether the surface turns by less than 20 degrees in and around a cube.
   bool isSmooth(const FieldCube& cube, std::span<const std::uint32_t> near, const MeshPoint& nearest) const;
   double allowed(double distance, double radius) const {
@@ -267,8 +284,10 @@ bool FieldBake::bakePieces(std::vector<Piece>& pieces) {
       bakePiece(index, worker, piece);
       piece.cells.shrink_to_fit();
       piece.blocks.shrink_to_fit();
-      memory.fetch_add(piece.blocks.size() * sizeof(std::uint32_t) +
-                       piece.cells.size() * sizeof(DistanceField::Cell) + sizeof(std::uint32_t));
+      piece.listAt.shrink_to_fit();
+      piece.lists.shrink_to_fit();
+      piece.known.clear();
+      memory.fetch_add(piece.memory());
       if (number == 0 && options_.progress)
         options_.progress(static_cast<double>(index) / static_cast<double>(pieces.size()));
     }
@@ -308,7 +327,8 @@ MeshPoint FieldBake::nearestByTree(const FieldCube& cube, const Known& around, d
 MeshPoint FieldBake::nearestOf(const FieldCube& cube, std::span<const std::uint32_t> candidates,
                                const Known& around, Worker& worker, std::vector<std::uint32_t>& near) const {
   const glm::vec3 centre(cube.centre - field_.origin_);
-  const double within = 2.0 * cube.radius();
+  // Rounding may take a reading just beyond the cube.
+  const double within = 2.0 * (cube.radius() + rounding_);
   const auto isFar = [&](std::uint32_t t, float reach) {
     const Ball& ball = balls_[t];
     const glm::vec3 off = centre - ball.centre;
@@ -383,10 +403,17 @@ void FieldBake::refine(const Job& job, std::span<const std::uint32_t> candidates
     if (!found) model = {glm::dvec3(0.0), side.sign * nearest.distance, radius};
     if (!certain) model = {glm::dvec3(0.0), 0.0, nearest.distance + radius};
     model.error += caps;
-    store(job, model, piece);
+    const bool smooth = found && certain && nearest.distance <= radius && isSmooth(job.cube, near, nearest);
+    // What is listed is what contact asks for. Beside caps, which do not exist, another triangle may count.
+    const bool asked = model.error + rounding_ > kListedError * field_.tolerance_ &&
+                       nearest.distance <= field_.band_ + radius && !(caps > 0.0);
+    if (asked && !options_.onlyCulls)
+      keepNearest(job.cube, nearest.distance, near);
+    else
+      near.clear();
+    store(job, model, near, piece);
     // A cell that only culls, for example between sheets of a defective file, says nothing about accuracy.
-    if (found && certain && nearest.distance <= radius && isSmooth(job.cube, near, nearest))
-      piece.worstSmooth = std::max(piece.worstSmooth, model.error + rounding_);
+    if (smooth) piece.worstSmooth = std::max(piece.worstSmooth, model.error + rounding_);
     return;
   }
   const Known known{job.cube.centre, nearest.distance, side, nearest.point};
@@ -423,11 +450,39 @@ bool FieldBake::isSmooth(const FieldCube& cube, std::span<const std::uint32_t> n
   });
 }
 
-void FieldBake::store(const Job& job, const CubeModel& model, Piece& piece) const {
+std::uint32_t FieldBake::Piece::place(const std::vector<std::uint32_t>& list) {
+  if (list.empty()) return 0;
+  std::uint64_t hash = list.size();  // FNV-1a
+  for (const std::uint32_t triangle : list) hash = (hash ^ triangle) * 0x100000001b3u;
+  const auto at = static_cast<std::uint32_t>(lists.size());
+  const auto [entry, isNew] = known.try_emplace(hash, at);
+  const std::uint32_t* const there = lists.data() + entry->second;
+  if (!isNew && *there == list.size() && std::equal(list.begin(), list.end(), there + 1))
+    return entry->second;
+  lists.push_back(static_cast<std::uint32_t>(list.size()));
+  lists.insert(lists.end(), list.begin(), list.end());
+  return at;
+}
+
+void FieldBake::keepNearest(const FieldCube& cube, double nearest, std::vector<std::uint32_t>& near) const {
+  constexpr std::size_t kWorthTrying = 4 * DistanceField::kMaxListed;
+  if (near.size() > kWorthTrying) return near.clear();
+  const double reach = nearest + 2.0 * (cube.radius() + rounding_);
+  // A cap of a slit without width lies on edges of the mesh, which are as near.
+  std::erase_if(near, [&](std::uint32_t t) {
+    return t >= capped_.firstCap ||
+           glm::distance(cube.centre, closestPointOnTriangle(cube.centre, tree_.triangle(t)).point) > reach;
+  });
+  if (near.size() > DistanceField::kMaxListed) near.clear();
+}
+
+void FieldBake::store(const Job& job, const CubeModel& model, const std::vector<std::uint32_t>& near,
+                      Piece& piece) const {
   const glm::vec3 gradient(model.gradient);
   const double offset = model.value - glm::dot(glm::dvec3(gradient), job.cube.centre - field_.origin_);
   const std::uint32_t entry = DistanceField::kLeaf | static_cast<std::uint32_t>(piece.cells.size());
   piece.cells.push_back({gradient, static_cast<float>(offset), roundUp(model.error + rounding_)});
+  piece.listAt.push_back(piece.place(near));
   const auto newBlock = [&piece] {
     piece.blocks.resize(piece.blocks.size() + DistanceField::kBlock);
     return static_cast<std::uint32_t>(piece.blocks.size() / DistanceField::kBlock - 1);
@@ -460,13 +515,16 @@ void FieldBake::store(const Job& job, const CubeModel& model, Piece& piece) cons
 }
 
 void FieldBake::join(std::vector<Piece>& pieces) {
-  std::size_t blocks = 0, cells = 0;
+  std::size_t blocks = 0, cells = 0, lists = 0;
   for (const Piece& piece : pieces) {
     blocks += piece.blocks.size();
     cells += piece.cells.size();
+    lists += piece.lists.size();
   }
   field_.blocks_.reserve(blocks);
   field_.cells_.reserve(cells);
+  field_.listAt_.reserve(cells);
+  field_.lists_.reserve(lists);
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     Piece& piece = pieces[i];
     const auto firstBlock = static_cast<std::uint32_t>(field_.blocks_.size() / DistanceField::kBlock);
@@ -477,6 +535,9 @@ void FieldBake::join(std::vector<Piece>& pieces) {
     field_.top_[i] = moved(piece.root);
     for (const std::uint32_t entry : piece.blocks) field_.blocks_.push_back(moved(entry));
     field_.cells_.insert(field_.cells_.end(), piece.cells.begin(), piece.cells.end());
+    const auto firstList = static_cast<std::uint32_t>(field_.lists_.size());
+    for (const std::uint32_t at : piece.listAt) field_.listAt_.push_back(at + firstList);
+    field_.lists_.insert(field_.lists_.end(), piece.lists.begin(), piece.lists.end());
     field_.worstSmoothError_ = std::max(field_.worstSmoothError_, piece.worstSmooth);
     piece = {};
   }

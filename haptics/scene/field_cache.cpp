@@ -14,7 +14,7 @@ namespace tandem::haptics {
 namespace {
 
 // Raised whenever a bake of the same mesh and options produces another result.
-constexpr std::uint64_t kBakeVersion = 3;
+constexpr std::uint64_t kBakeVersion = 4;
 
 constexpr std::array<char, 8> kCacheMark = {'T', 'D', 'F', 'C', 'a', 'c', 'h', 'e'};
 
@@ -39,10 +39,11 @@ assets::ContentHash keyOf(const assets::Mesh& mesh, const DistanceField::Options
   return assets::contentHash(bytes);
 }
 
-std::optional<DistanceField> read(const std::filesystem::path& path, const assets::ContentHash& key) {
+std::optional<DistanceField> read(const std::filesystem::path& path, const assets::ContentHash& key,
+                                  std::size_t triangles) {
   const std::optional<assets::SealedContent> content = assets::readSealedFile(path, {kCacheMark, key});
   if (!content) return std::nullopt;
-  Result<DistanceField> field = DistanceField::unpack(content->bytes());
+  Result<DistanceField> field = DistanceField::unpack(content->bytes(), triangles);
   if (!field) return std::nullopt;
   return std::move(field).value();
 }
@@ -59,7 +60,7 @@ DistanceField cachedField(const TriangleBvh& tree, const DistanceField::Options&
   if (directory.empty()) return DistanceField(tree, options);
   const assets::ContentHash key = keyOf(tree.mesh(), options);
   const std::filesystem::path path = pathOf(directory, key);
-  if (std::optional<DistanceField> field = read(path, key)) {
+  if (std::optional<DistanceField> field = read(path, key, tree.mesh().triangles.size())) {
     cached = true;
     if (options.progress) options.progress(1.0);
     return std::move(*field);
@@ -73,7 +74,7 @@ std::optional<DistanceField> readField(const TriangleBvh& tree, const DistanceFi
                                        const std::string& directory) {
   if (directory.empty()) return std::nullopt;
   const assets::ContentHash key = keyOf(tree.mesh(), options);
-  return read(pathOf(directory, key), key);
+  return read(pathOf(directory, key), key, tree.mesh().triangles.size());
 }
 
 }  // namespace tandem::haptics

@@ -132,11 +132,15 @@ Height Descent::heightAt(const glm::dvec3& ownPoint) {
   const TriangleBvh& tree = *models_.to->tree;
   const MeshEdges& edges = models_.to->edges;
   const glm::dvec3 p = transformPoint(models_.toFromSamples, ownPoint);
-  double limit = 1e300;
-  if (hint_ < tree.mesh().triangles.size())
-    limit = glm::length(p - closestPointOnTriangle(p, tree.triangle(hint_)).point) * (1.0 + 1e-12);
   MeshPoint nearest;
-  if (!tree.closestPoint(p, limit, nearest)) return {};
+  DistanceField::Triangles near;
+  static_cast<void>(models_.to->field.read(glm::vec3(p - models_.to->field.origin()), near));
+  double limit = 1e300;
+  if (near.empty() && hint_ < tree.mesh().triangles.size())
+    limit = glm::length(p - closestPointOnTriangle(p, tree.triangle(hint_)).point) * (1.0 + 1e-12);
+  const bool found =
+      near.empty() ? tree.closestPoint(p, limit, nearest) : tree.closestPointAmong(near, p, limit, nearest);
+  if (!found) return {};
   hint_ = nearest.triangle;
   const glm::dvec3 offset = p - nearest.point, face = edges.normal(nearest.triangle);
   bool outside = !models_.to->field.solid() || glm::dot(offset, face) >= 0.0;

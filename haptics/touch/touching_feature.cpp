@@ -258,6 +258,18 @@ TouchingPlane nearestPlane(const TriangleBvh& tree, const MeshEdges& edges, std:
   return predicted(found, sample) >= predicted(single, sample) ? found : single;
 }
 
+/// The point of the mesh that is nearest to the sample, within `reach`; false if there is none.
+bool nearestPoint(const TriangleBvh& tree, const SampleQuery& sample, double reach, std::uint32_t hint,
+                  MeshPoint& nearest) {
+  constexpr double kRounding = 1.0 + 1e-12;
+  const glm::dvec3& p = sample.point;
+  if (!sample.near.empty()) return tree.closestPointAmong(sample.near, p, reach * kRounding, nearest);
+  double limit = reach;
+  if (hint < tree.mesh().triangles.size())
+    limit = std::min(limit, glm::length(p - closestPointOnTriangle(p, tree.triangle(hint)).point));
+  return tree.closestPoint(p, limit * kRounding, nearest);
+}
+
 }  // namespace
 
 TouchingPlane touchingEdge(const MeshEdge& edge, const SampleQuery& sample) {
@@ -272,12 +284,8 @@ TouchingPlane touchingEdge(const MeshEdge& edge, const SampleQuery& sample) {
 bool touchingFeature(const TriangleBvh& tree, const MeshEdges& edges, const SampleQuery& sample, double reach,
                      std::uint32_t hint, TouchingFeature& found) {
   const glm::dvec3& p = sample.point;
-  double limit = reach;
-  if (hint < tree.mesh().triangles.size()) {
-    limit = std::min(limit, glm::length(p - closestPointOnTriangle(p, tree.triangle(hint)).point));
-  }
   MeshPoint nearest;
-  if (!tree.closestPoint(p, limit * (1.0 + 1e-12), nearest)) return false;
+  if (!nearestPoint(tree, sample, reach, hint, nearest)) return false;
   found.triangle = nearest.triangle;
   found.distance = nearest.distance;
   const double path = std::max(glm::length(sample.motion), 10.0 * sample.slack);

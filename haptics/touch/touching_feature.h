@@ -31,6 +31,7 @@ struct SampleQuery {
   bool shifted = false;                 // `point` lies beside the sample, by an interference fit
   double range = 0.0;                   // m that it may move before its next query
   double nearest = 1e300;               // m, at most how far the mesh is, for a field that knows
+  std::span<const std::uint32_t> near;  // triangles, one of which is nearest; empty: not known
 };
 
 /// A half-space that a point of the sample's part must not leave: normal . (point - surface) >= 0.

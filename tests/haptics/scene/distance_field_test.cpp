@@ -65,7 +65,34 @@ struct Baked {
     return nearest.distance;
   }
   double diagonal() const { return glm::distance(mesh.bounds.min, mesh.bounds.max); }
+  Result<DistanceField> unpack(std::span<const std::byte> bytes) const {
+    return DistanceField::unpack(bytes, mesh.triangles.size());
+  }
+  /// The triangles that the field lists at a place.
+  std::vector<std::uint32_t> listedAt(const glm::vec3& p) const {
+    DistanceField::Triangles near;
+    static_cast<void>(field.read(p, near));
+    return {near.begin(), near.end()};
+  }
 };
+
+/// m, the distance of the nearest one of some triangles.
+double distanceAmong(const Mesh& mesh, std::span<const std::uint32_t> triangles, const glm::dvec3& p) {
+  double least = 1e300;
+  for (const std::uint32_t t : triangles) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    const Triangle corners{mesh.positions[a], mesh.positions[b], mesh.positions[c]};
+    least = std::min(least, glm::distance(p, closestPointOnTriangle(p, corners).point));
+  }
+  return least;
+}
+
+/// Whether no triangle is nearer than those that the field lists, if it lists any.
+bool listHolds(const Baked& baked, const glm::vec3& p) {
+  const std::vector<std::uint32_t> near = baked.listedAt(p);
+  const glm::dvec3 at = glm::dvec3(p) + baked.field.origin();
+  return near.empty() || distanceAmong(baked.mesh, near, at) <= baked.distance(at) + 1e-14 * baked.diagonal();
+}
 
 /// How far a reading is beyond its bound, m; not above 0 if the bound holds.
 double excess(const Baked& baked, const glm::vec3& p, const SideOf& side) {
@@ -85,8 +112,11 @@ double attack(const Baked& baked, const SideOf& side, int count = 4000) {
   const glm::dvec3 origin = baked.field.origin();
   const double diagonal = baked.diagonal();
   double worst = -1e300;
+  int wrongLists = 0;
   const auto tryAt = [&](const glm::dvec3& p) {
-    worst = std::max(worst, excess(baked, glm::vec3(p - origin), side));
+    const glm::vec3 at(p - origin);
+    worst = std::max(worst, excess(baked, at, side));
+    wrongLists += listHolds(baked, at) ? 0 : 1;
   };
   for (int i = 0; i < count; ++i) {
     const glm::dvec3 any(unit(random), unit(random), unit(random));
@@ -111,6 +141,7 @@ double attack(const Baked& baked, const SideOf& side, int count = 4000) {
     tryAt(nearest.point);
     tryAt(p + 2.0 * (p - nearest.point));
   }
+  EXPECT_EQ(wrongLists, 0);
   return worst;
 }
 
@@ -261,7 +292,7 @@ TEST(DistanceField, KeepsToTheMemoryThatItIsGiven) {
 TEST(DistanceField, ComesBackFromItsBytes) {
   const Baked baked(sphereMesh(0.01, 12));
   const std::vector<std::byte> bytes = baked.field.pack();
-  const Result<DistanceField> again = DistanceField::unpack(bytes);
+  const Result<DistanceField> again = baked.unpack(bytes);
   ASSERT_TRUE(again.ok()) << again.error().message;
   EXPECT_EQ(again->pack(), bytes);
   EXPECT_EQ(again->solid(), baked.field.solid());
@@ -273,7 +304,7 @@ TEST(DistanceField, RefusesBytesThatAreCutShort) {
   const Baked baked(boxMesh(glm::dvec3(1.0)), optionsFor(boxMesh(glm::dvec3(1.0)), 16.0));
   const std::vector<std::byte> bytes = baked.field.pack();
   for (std::size_t size = 0; size < bytes.size(); size += 1 + size / 7)
-    EXPECT_FALSE(DistanceField::unpack(std::span(bytes).first(size)).ok()) << size;
+    EXPECT_FALSE(baked.unpack(std::span(bytes).first(size)).ok()) << size;
 }
 
 TEST(DistanceField, SurvivesBytesThatAreWrong) {
@@ -286,10 +317,14 @@ TEST(DistanceField, SurvivesBytesThatAreWrong) {
     std::vector<std::byte> bad = bytes;
     const std::size_t at = i % 2 == 0 ? random() % 200 : random() % bad.size();
     bad[at] ^= static_cast<std::byte>(1u << (random() % 8));
-    const Result<DistanceField> field = DistanceField::unpack(bad);
+    const Result<DistanceField> field = baked.unpack(bad);
     refused += field.ok() ? 0 : 1;
     if (!field.ok()) continue;
-    for (int k = 0; k < 20; ++k) field->read(glm::vec3(unit(random), unit(random), unit(random)));
+    for (int k = 0; k < 20; ++k) {
+      DistanceField::Triangles near;
+      field->read(glm::vec3(unit(random), unit(random), unit(random)), near);
+      for (const std::uint32_t t : near) EXPECT_LT(t, baked.mesh.triangles.size());
+    }
   }
   EXPECT_GT(refused, 100);
 }
@@ -363,6 +398,39 @@ TEST(DistanceField, StatesNoMuchLargerErrorThanThereIs) {
     beyondHalf += off > 0.5 * static_cast<double>(reading.error) ? 1 : 0;
   }
   EXPECT_GT(beyondHalf, 100);
+}
+
+/// Beside edges the nearest triangle is one of a few, and the tree need not be asked. A negative control: a
+/// list that lacks one of its triangles is wrong somewhere.
+TEST(DistanceField, ListsTheNearestTrianglesBesideEdges) {
+  for (const Mesh& mesh : {boxMesh({0.03, 0.02, 0.01}), sphereMesh(0.01, 12)}) {
+    const Baked baked(mesh);
+    std::mt19937 random(29);
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    int listed = 0, answers = 0, wrongWithoutOne = 0;
+    for (int i = 0; i < 4000; ++i) {
+      const auto& t = mesh.triangles[random() % mesh.triangles.size()];
+      const double u = 0.5 + 0.5 * unit(random);
+      const glm::dvec3 edge = mesh.positions[t[0]] + u * (mesh.positions[t[1]] - mesh.positions[t[0]]),
+                       aside(unit(random), unit(random), unit(random));
+      const glm::dvec3 at = edge + baked.field.smallestCell() * aside;
+      std::vector<std::uint32_t> near = baked.listedAt(glm::vec3(at - baked.field.origin()));
+      if (near.empty()) continue;
+      ++listed;
+      MeshPoint byTree, byList;
+      baked.tree.closestPoint(at, 1e300, byTree);
+      const bool found = baked.tree.closestPointAmong(near, at, 1e300, byList);
+      answers += found && byList.triangle == byTree.triangle && byList.point == byTree.point &&
+                         byList.distance == byTree.distance
+                     ? 1
+                     : 0;
+      near.erase(near.begin() + static_cast<std::ptrdiff_t>(random() % near.size()));
+      wrongWithoutOne += distanceAmong(mesh, near, at) > 1.01 * byTree.distance ? 1 : 0;
+    }
+    EXPECT_GT(listed, 1000);
+    EXPECT_EQ(answers, listed) << "the same answers as by the tree";
+    EXPECT_GT(wrongWithoutOne, 100);
+  }
 }
 
 TEST(MeshSides, SaysWhatTellsInsideFromOutside) {
