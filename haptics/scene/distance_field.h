@@ -52,7 +52,7 @@ class DistanceField {
     glm::vec3 gradient;
   };
 
-  static constexpr std::size_t kMaxListed = 32;
+  static constexpr std::size_t kMaxListed = 24;
   /// Triangles of the mesh, ascending, at most kMaxListed.
   using Triangles = std::span<const std::uint32_t>;
 

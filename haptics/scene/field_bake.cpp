@@ -15,6 +15,7 @@
 #include <glm/common.hpp>
 
 #include "assets/base/assert.h"
+#include "haptics/base/fixed_vector.h"
 #include "haptics/base/in_parallel.h"
 #include "haptics/geometry/mesh_sides.h"
 #include "haptics/geometry/outward.h"
@@ -55,6 +56,8 @@ constexpr double kSecondTry = 4.0;
 
 /// Triangles are listed where contact asks for them: at an error of more tolerances than this.
 constexpr double kListedError = 2.0;
+/// Of more triangles than this too many would be left.
+constexpr std::size_t kWorthListing = 128;
 
 /// Balls about the triangles, m relative to the origin: a first bound of a triangle's distance.
 struct Ball {
@@ -140,6 +143,7 @@ class FieldBake {
   struct Worker {
     Lists near;
     std::vector<std::pair<std::uint32_t, double>> measured;  // scratch: triangles and distances
+    std::vector<std::uint32_t> listed;                       // scratch
   };
 
   void setLengths();
@@ -160,8 +164,9 @@ class FieldBake {
   MeshSides::Side sideOf(const FieldCube& cube, const MeshPoint& nearest, const Known& around) const;
   /// Error that the caps of slits near a cube may cause, m.
   double errorOfCaps(std::span<const std::uint32_t> near) const;
-  /// Keeps the triangles that can be nearest to a point of the cube, if they are few, and none otherwise.
-  void keepNearest(const FieldCube& cube, double nearest, std::vector<std::uint32_t>& near) const;
+  /// The triangles of `near`, which holds all within two radii beyond the nearest one of the cube's centre,
+  /// that can be nearest to a place in the cube, if they are few; none otherwise.
+  void listNearest(const FieldCube& cube, std::span<const std::uint32_t> near, Worker& worker) const;
   /// Adds a cell with its list of triangles.
   void store(const Job& job, const CubeModel& model, const std::vector<std::uint32_t>& near,
              Piece& piece) const;
@@ -407,11 +412,14 @@ void FieldBake::refine(const Job& job, std::span<const std::uint32_t> candidates
     // What is listed is what contact asks for. Beside caps, which do not exist, another triangle may count.
     const bool asked = model.error + rounding_ > kListedError * field_.tolerance_ &&
                        nearest.distance <= field_.band_ + radius && !(caps > 0.0);
-    if (asked && !options_.onlyCulls)
-      keepNearest(job.cube, nearest.distance, near);
-    else
-      near.clear();
-    store(job, model, near, piece);
+    std::vector<std::uint32_t>& listed = worker.listed;
+    listed.clear();
+    if (asked && !options_.onlyCulls) {
+      // The eight smallest cells of a cube share the list of that cube, unless it is too long.
+      if (job.side == 1) listNearest({around.centre, 2.0 * job.cube.half}, candidates, worker);
+      if (listed.empty()) listNearest(job.cube, near, worker);
+    }
+    store(job, model, listed, piece);
     // A cell that only culls, for example between sheets of a defective file, says nothing about accuracy.
     if (smooth) piece.worstSmooth = std::max(piece.worstSmooth, model.error + rounding_);
     return;
@@ -464,16 +472,47 @@ std::uint32_t FieldBake::Piece::place(const std::vector<std::uint32_t>& list) {
   return at;
 }
 
-void FieldBake::keepNearest(const FieldCube& cube, double nearest, std::vector<std::uint32_t>& near) const {
-  constexpr std::size_t kWorthTrying = 4 * DistanceField::kMaxListed;
-  if (near.size() > kWorthTrying) return near.clear();
-  const double reach = nearest + 2.0 * (cube.radius() + rounding_);
-  // A cap of a slit without width lies on edges of the mesh, which are as near.
-  std::erase_if(near, [&](std::uint32_t t) {
-    return t >= capped_.firstCap ||
-           glm::distance(cube.centre, closestPointOnTriangle(cube.centre, tree_.triangle(t)).point) > reach;
-  });
-  if (near.size() > DistanceField::kMaxListed) near.clear();
+void FieldBake::listNearest(const FieldCube& cube, std::span<const std::uint32_t> near,
+                            Worker& worker) const {
+  worker.listed.clear();
+  if (near.size() > kWorthListing) return;
+  // The distance of a triangle is convex: over the cube it lies above its tangent at the centre, and below
+  // what is interpolated between its corners. A triangle whose tangent is above another one's distance at all
+  // corners is nowhere nearer than that one.
+  std::array<glm::dvec3, 8> corner;
+  for (std::size_t i = 0; i < 8; ++i) {
+    const glm::dvec3 way((i & 1) != 0 ? 1.0 : -1.0, (i & 2) != 0 ? 1.0 : -1.0, (i & 4) != 0 ? 1.0 : -1.0);
+    corner[i] = (cube.half + rounding_) * way;
+  }
+  struct Tangent {
+    std::uint32_t triangle;
+    double distance;
+    glm::dvec3 gradient;
+  };
+  FixedVector<Tangent, kWorthListing> tangents;
+  const Tangent* nearest = nullptr;
+  for (const std::uint32_t t : near) {
+    // A cap of a slit without width lies on edges of the mesh, which are as near.
+    if (t >= capped_.firstCap) continue;
+    const glm::dvec3 off = cube.centre - closestPointOnTriangle(cube.centre, tree_.triangle(t)).point;
+    const double distance = glm::length(off);
+    const Tangent& tangent =
+        tangents.push_back({t, distance, distance > 0.0 ? off / distance : glm::dvec3(0.0)});
+    if (nearest == nullptr || distance < nearest->distance) nearest = &tangent;
+  }
+  if (nearest == nullptr) return;
+  std::array<double, 8> most;
+  for (std::size_t i = 0; i < 8; ++i) {
+    const glm::dvec3 p = cube.centre + corner[i];
+    most[i] = glm::distance(p, closestPointOnTriangle(p, tree_.triangle(nearest->triangle)).point);
+  }
+  for (const Tangent& tangent : tangents) {
+    bool counts = &tangent == nearest;
+    for (std::size_t i = 0; i < 8 && !counts; ++i)
+      counts = tangent.distance + glm::dot(tangent.gradient, corner[i]) <= most[i] + rounding_;
+    if (counts) worker.listed.push_back(tangent.triangle);
+  }
+  if (worker.listed.size() > DistanceField::kMaxListed) worker.listed.clear();
 }
 
 void FieldBake::store(const Job& job, const CubeModel& model, const std::vector<std::uint32_t>& near,
