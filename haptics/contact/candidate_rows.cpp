@@ -226,17 +226,14 @@ void CandidateRows::addAnsweredRows(std::uint32_t i, const glm::vec3& place, con
 }
 
 void CandidateRows::clearAlong(const ContactSample& sample, const glm::vec3& place, const Reading& read) {
-  ContactPatch edge;
-  if (clear_ > query_.limit || !query_.from->patchOf(sample, edge)) return;
-  const glm::vec3 along = sample.along * (rotation_ * glm::vec3(edge.axis));
+  if (clear_ > query_.limit || !(sample.along > 0.0f)) return;
+  const glm::vec3 along = alongOf(sample);
   clear_ = std::max(clear_, leastAlong(query_.to->field, place, read, along, query_.rough) + allowed_);
 }
 
 CandidateRows::Dip CandidateRows::edgeDip(const ContactSample& sample, const glm::vec3& place,
                                           const Reading& read, float above) const {
-  ContactPatch edge;
-  if (!query_.from->patchOf(sample, edge)) return {};
-  const glm::vec3 along = sample.along * (rotation_ * glm::vec3(edge.axis));
+  const glm::vec3 along = alongOf(sample);
   const float slope = glm::dot(read.gradient, along), worth = std::max(query_.smooth, above);
   // Most edges run along the target or do not dip.
   if (std::abs(slope) <= worth) return {};

@@ -45,6 +45,10 @@ class CandidateRows {
   static float nearLimit(const SideQuery& query);
 
   const ContactSample& sampleAt(std::uint32_t i) const { return query_.from->samples.samples()[i]; }
+  /// m, frame of the target: from the sample to the end of the piece of edge that it stands for.
+  glm::vec3 alongOf(const ContactSample& sample) const {
+    return sample.along * (rotation_ * query_.from->samples.axis(sample));
+  }
   void deepen(float depth) { deepest_ = depth > deepest_ ? depth : deepest_; }
 
   // `i` is a sample and `place` where it is, m, relative to the origin of the target's field.

@@ -28,6 +28,15 @@ ContactSamples::ContactSamples(const assets::Mesh& mesh, const MeshEdges& edges,
     : ContactSamples(options, mesh) {
   set_ = sampleMesh(mesh, edges, spacing_, smoothSpacing_, options.sharp);
   sort();
+  axes_.reserve(set_.samples.size());
+  for (const ContactSample& sample : set_.samples) {
+    if (sample.edge == assets::kNone || isSmooth(sample)) {
+      axes_.emplace_back(0.0f);
+    } else {
+      const EdgeLine edge = edges.line(sample.edge);
+      axes_.emplace_back(glm::normalize(edge.b - edge.a));
+    }
+  }
 }
 
 ContactSamples::ContactSamples(std::span<const assets::ImplicitShape> shapes, const assets::Mesh& mesh,
@@ -35,6 +44,10 @@ ContactSamples::ContactSamples(std::span<const assets::ImplicitShape> shapes, co
     : ContactSamples(options, mesh) {
   set_ = sampleShapes(shapes, mesh, spacing_);
   sort();
+  axes_.reserve(set_.samples.size());
+  for (const ContactSample& sample : set_.samples)
+    axes_.emplace_back(sample.patch == assets::kNone || isRound(sample) ? glm::dvec3(0.0)
+                                                                        : set_.patches[sample.patch].axis);
 }
 
 void ContactSamples::sort() {
@@ -92,7 +105,7 @@ std::uint32_t ContactSamples::build(std::vector<std::uint32_t>& order, std::uint
 }
 
 std::size_t ContactSamples::memory() const {
-  return set_.samples.size() * (sizeof(ContactSample) + sizeof(glm::vec4)) +
+  return set_.samples.size() * (sizeof(ContactSample) + sizeof(glm::vec4) + sizeof(glm::vec3)) +
          set_.normals.size() * sizeof(glm::dvec3) + nodes_.size() * sizeof(Node) +
          set_.patches.size() * sizeof(ContactPatch);
 }

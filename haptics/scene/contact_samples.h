@@ -75,6 +75,10 @@ class ContactSamples {
   std::span<const ContactSample> samples() const { return set_.samples; }
   /// Points and lengths `along` of the samples, m, in the layout that a tick reads.
   std::span<const glm::vec4> points() const { return points_; }
+  /// The direction of the piece of a straight edge that the sample represents, unit; zero for other samples.
+  const glm::vec3& axis(const ContactSample& sample) const {
+    return axes_[static_cast<std::size_t>(&sample - set_.samples.data())];
+  }
   std::span<const glm::dvec3> normals(const ContactSample& sample) const {
     return {set_.normals.data() + sample.firstNormal, sample.normalCount};
   }
@@ -124,6 +128,7 @@ class ContactSamples {
   float sagOfTurn_ = 0.0f, largestSag_ = 0.0f;  // m a unit of ContactSample::turn; m
   SampleSet set_;
   std::vector<glm::vec4> points_;
+  std::vector<glm::vec3> axes_;
   std::vector<Node> nodes_;
 };
 
