@@ -52,15 +52,27 @@ void pairCornersWithEdges(const std::array<glm::dvec3, 3>& corners, const std::a
   }
 }
 
-/// An edge that passes through the face of `t` meets it if that point lies on the face but for rounding. The
-/// plane of a sliver is poorly known; where the edge misses it, the nearest corners and edges decide.
-bool meets(const glm::dvec3& from, const glm::dvec3& to, const Triangle& t, TrianglePairGap& best) {
+/// By how much the place where an edge passes through the face of `t` may be off, m. The more slender a
+/// triangle, the less its plane is known.
+double passageRounding(const glm::dvec3& from, const glm::dvec3& to, const Triangle& t) {
+  constexpr double kFlattest = 0x1p-10;
+  const glm::dvec3 ab = t.b - t.a, ac = t.c - t.a, bc = t.c - t.b;
+  const double longest = std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(bc, bc)});
+  const double flatness = std::max(kFlattest, glm::length(glm::cross(ab, ac)) / longest);
+  return 0x1p-44 / flatness * (glm::length(to - from) + glm::length(ab) + glm::length(ac));
+}
+
+/// Whether an edge passes through the face of `t`, at a point that becomes `best`. A point beside the face by
+/// more than rounding is one of the edge all the same, and kept with the nearest one of the face.
+bool passes(const glm::dvec3& from, const glm::dvec3& to, const Triangle& t, bool edgeOfA,
+            TrianglePairGap& best) {
   const double share = pierceShare(from, to, t);
   if (share < 0.0) return false;
-  const glm::dvec3 point = from + (to - from) * share;
-  const double off = glm::length(closestPointOnTriangle(point, t).point - point);
-  const double size = glm::length(to - from) + glm::length(t.b - t.a) + glm::length(t.c - t.a);
-  if (off > 0x1p-44 * size + 0x1p-50 * glm::length(point)) return false;
+  const glm::dvec3 point = from + (to - from) * share, onFace = closestPointOnTriangle(point, t).point;
+  if (glm::length(onFace - point) > passageRounding(from, to, t) + 0x1p-50 * glm::length(point)) {
+    keepNearest(edgeOfA ? point : onFace, edgeOfA ? onFace : point, best);
+    return false;
+  }
   best = {0.0, point, point};
   return true;
 }
@@ -97,7 +109,7 @@ TrianglePairGap search(const Triangle& a, const Triangle& b, double enough) {
   if (furtherThan(0.0, facetOf(a), facetOf(b))) return best;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t next = (i + 1) % 3;
-    if (meets(p[i], p[next], b, best) || meets(q[i], q[next], a, best)) break;
+    if (passes(p[i], p[next], b, true, best) || passes(q[i], q[next], a, false, best)) break;
   }
   return best;
 }

@@ -49,6 +49,29 @@ TEST(TrianglePair, MeetsWhereAnEdgeGoesThroughAFace) {
   EXPECT_LT(haptics::pierceShare({1, 1, 2}, {1, 1, 1}, floor), 0.0);
 }
 
+/// As the facets of long cylinders and fillets are: their planes are less well known, what goes through them
+/// does so all the same.
+TEST(TrianglePair, MeetsWhereAnEdgeGoesThroughASlenderFace) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  const auto some = [&] { return glm::dvec3(u(random), u(random), u(random)); };
+  int apart = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const double scale = kScales[i % 3], flatness = std::pow(10.0, -1.5 + 1.4 * u(random));
+    const glm::dvec3 along = glm::normalize(some()), across = glm::normalize(glm::cross(along, some()));
+    const glm::dvec3 a = some(), b = a + along, c = glm::mix(a, b, 0.5 + 0.5 * u(random)) + flatness * across;
+    const glm::dvec3 inside = a + (0.4 + 0.2 * u(random)) * (b - a) + (0.2 + 0.1 * u(random)) * (c - a);
+    const glm::dvec3 path = glm::cross(along, across) + 2.0 * some();
+    const Triangle face = scaled({a, b, c}, scale);
+    const Triangle through = scaled({inside + 0.6 * path, inside - 0.7 * path, some()}, scale);
+    if (std::abs(glm::dot(path, glm::cross(along, across))) < 0.1 * glm::length(path)) continue;
+    apart += haptics::nearestPoints(face, through).square > 0.0 ? 1 : 0;
+    apart += haptics::nearestPoints(through, face).square > 0.0 ? 1 : 0;
+    ASSERT_TRUE(haptics::comeNear(face, through, 1e-9 * scale)) << i << " flatness " << flatness;
+  }
+  EXPECT_EQ(apart, 0);
+}
+
 TEST(TrianglePair, TakesTrianglesWithoutAreaForEdgesAndPoints) {
   const Triangle floor{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
   const Triangle point{{1, 1, 0.75}, {1, 1, 0.75}, {1, 1, 0.75}};
