@@ -14,6 +14,8 @@ namespace {
 
 /// Ear clipping takes quadratic time.
 constexpr std::size_t kLongestLoop = 512;
+/// Of a loop's extent: heights of ears that differ by less are equal but for the rounding of coordinates.
+constexpr double kEqual = 0x1p-20;
 
 /// A directed edge that the mesh lacks to be closed.
 struct Missing {
@@ -97,8 +99,9 @@ struct Corner {
   double off = 0.0;  // m
 };
 
-/// Clips the flattest ear first. False, with nothing added, if a cap would deviate by more than `widest`.
-bool capLoop(const assets::Mesh& mesh, const std::vector<std::uint32_t>& loop, double widest,
+/// Clips the flattest ear first, of those within `equal` m of it the first one. False, with nothing added, if
+/// a cap would deviate by more than `widest`.
+bool capLoop(const assets::Mesh& mesh, const std::vector<std::uint32_t>& loop, double widest, double equal,
              SlitCaps& caps) {
   if (loop.size() > kLongestLoop) return false;
   std::vector<Corner> left;
@@ -114,7 +117,7 @@ bool capLoop(const assets::Mesh& mesh, const std::vector<std::uint32_t>& loop, d
                                        mesh.positions[after.vertex]);
       // A point of the new side is within the ear's height of the two old ones.
       const double reach = height + std::max(before.off, here.off);
-      if (!(reach < least)) continue;
+      if (!(reach < least - equal)) continue;
       least = reach;
       flattest = i;
       off = reach;
@@ -132,6 +135,14 @@ bool capLoop(const assets::Mesh& mesh, const std::vector<std::uint32_t>& loop, d
   return true;
 }
 
+/// The greatest distance of a corner of a loop from its first one, m.
+double extentOf(const assets::Mesh& mesh, const std::vector<std::uint32_t>& loop) {
+  double extent = 0.0;
+  for (const std::uint32_t vertex : loop)
+    extent = std::max(extent, glm::distance(mesh.positions[vertex], mesh.positions[loop[0]]));
+  return extent;
+}
+
 /// Triangles from the first corner of a loop to all its edges. Their widths are not measured.
 void fanLoop(const std::vector<std::uint32_t>& loop, SlitCaps& caps) {
   for (std::size_t i = 1; i + 1 < loop.size(); ++i) {
@@ -144,8 +155,10 @@ void fanLoop(const std::vector<std::uint32_t>& loop, SlitCaps& caps) {
 
 SlitCaps closeAllHoles(const assets::Mesh& mesh) {
   SlitCaps caps;
-  for (const std::vector<std::uint32_t>& loop : simpleLoops(missingEdges(mesh)))
-    if (!capLoop(mesh, loop, std::numeric_limits<double>::max(), caps)) fanLoop(loop, caps);
+  for (const std::vector<std::uint32_t>& loop : simpleLoops(missingEdges(mesh))) {
+    const double equal = kEqual * extentOf(mesh, loop);
+    if (!capLoop(mesh, loop, std::numeric_limits<double>::max(), equal, caps)) fanLoop(loop, caps);
+  }
   ASSERT(caps.complete && caps.width.size() == caps.triangles.size());
   return caps;
 }
@@ -153,7 +166,7 @@ SlitCaps closeAllHoles(const assets::Mesh& mesh) {
 SlitCaps capSlits(const assets::Mesh& mesh, double widest) {
   SlitCaps caps;
   for (const std::vector<std::uint32_t>& loop : simpleLoops(missingEdges(mesh)))
-    if (!capLoop(mesh, loop, widest, caps)) caps.complete = false;
+    if (!capLoop(mesh, loop, widest, 0.0, caps)) caps.complete = false;
   ASSERT(caps.width.size() == caps.triangles.size() && caps.loop.size() == caps.triangles.size());
   return caps;
 }

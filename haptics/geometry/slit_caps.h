@@ -26,7 +26,7 @@ SlitCaps capSlits(const assets::Mesh& mesh, double widest);
 
 /// Closes every loop of open edges: by ears, or by a fan about the first corner of a loop that is too long
 /// for them. Always complete. The result depends on the order of vertices, not on the frame they are given
-/// in, but for ears of equal height.
+/// in: of ears that are equally high but for rounding, the first is clipped.
 SlitCaps closeAllHoles(const assets::Mesh& mesh);
 
 }  // namespace tandem::haptics

@@ -62,6 +62,47 @@ TEST(MeshClosing, SidesDoNotDependOnTheFrame) {
   }
 }
 
+/// A round pot of radius 1 with a crown of points for a rim: its ears are equally high.
+assets::Mesh crownedPot(const glm::dvec3& rotation) {
+  constexpr int kSides = 16;
+  ShapeBuilder b;
+  const auto add = [&](const glm::dvec3& p) {
+    const glm::dvec3 at(glm::vec3(fromRotationVector(rotation) * p));  // as a file rounds it
+    return b.vertex(at.x, at.y, at.z);
+  };
+  const std::uint32_t middle = add({0.0, 0.0, -1.0});
+  for (int i = 0; i < kSides; ++i) {
+    const double angle = 2.0 * kPi * i / kSides, x = std::cos(angle), y = std::sin(angle);
+    add({x, y, -1.0});
+    add({x, y, i % 2 == 0 ? 0.5 : -0.5});
+  }
+  for (std::uint32_t i = 0; i < kSides; ++i) {
+    const std::uint32_t p = middle + 1 + 2 * i, q = middle + 1 + 2 * ((i + 1) % kSides);
+    b.quad(p, q, q + 1, p + 1);
+    b.triangle(middle, q, p);
+  }
+  return b.mesh();
+}
+
+TEST(MeshClosing, LidsOfARegularHoleDoNotDependOnTheFrame) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> u(-1.2, 1.2);
+  const assets::Mesh home = crownedPot({});
+  const TriangleBvh tree(home, 1);
+  const MeshClosing closing(tree);
+  for (int turn = 0; turn < 20; ++turn) {
+    const glm::dvec3 rotation(u(random), u(random), u(random));
+    const assets::Mesh turned = crownedPot(rotation);
+    const TriangleBvh turnedTree(turned, 1);
+    const MeshClosing turnedClosing(turnedTree);
+    for (int i = 0; i < 50; ++i) {
+      const glm::dvec3 p(u(random), u(random), u(random));
+      ASSERT_NEAR(closing.lidShare(p), turnedClosing.lidShare(fromRotationVector(rotation) * p), 1e-4)
+          << turn << ' ' << i;
+    }
+  }
+}
+
 TEST(MeshClosing, LidsMakeTheWindingNumberWhole) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> u(-1.2, 1.2);
