@@ -24,9 +24,6 @@ constexpr std::uint32_t kLid = 0x80000000u;  // marks a facet that is a lid
 /// Pieces that touch the surface everywhere are halved so often before they count as flush.
 constexpr int kFlushHalvings = 2;
 
-/// Of the tolerance: a lid nearer than the surface by less is that of a slit, and does not count.
-constexpr double kSlit = 0x1p-4;
-
 /// Pieces that are measured though the depth stays open.
 constexpr int kMaxRoughSamples = 1 << 10;
 

@@ -69,25 +69,27 @@ class Overlapping {
         closedB_(closedB),
         aFromB_(inverse(a.worldFromMesh) * b.worldFromMesh),
         bFromA_(inverse(aFromB_)),
-        tolerance_(touchTolerance(a, b)) {}
+        tolerance_(touchTolerance(a, b)),
+        known_(kKnown * std::max(closedA.size(), closedB.size())) {}
 
   MeshOverlap measure() {
     if (isSame()) {
       for (std::uint32_t i = 0; i < a_.tree->mesh().triangles.size(); ++i) pairs_.push_back({i, i, 0.0});
       measureCoincidence();
-      overlap_.meeting = overlap_.depth > tolerance_ ? Meeting::crossing : Meeting::touching;
+      overlap_.meeting = overlap_.depth > tolerance_ || overlap_.open ? Meeting::crossing : Meeting::touching;
       return overlap_;
     }
     pairs_ = nearPairs(*a_.tree, *b_.tree, aFromB_, tolerance_);
     const bool cross = std::any_of(pairs_.begin(), pairs_.end(),
                                    [&](const NearPair& pair) { return pair.through > tolerance_; });
     measureDepth(cross);
-    if (overlap_.depth <= tolerance_ && overlap_.open) overlap_.meeting = Meeting::crossing;
-    if (overlap_.depth <= tolerance_ && cross && !overlap_.open) measureSheets();
     if (overlap_.depth <= tolerance_ && !overlap_.open) measureCoincidence();
+    if (overlap_.depth <= tolerance_ && cross && !overlap_.open) measureSheets();
     if (overlap_.depth > tolerance_)
       overlap_.meeting = pairs_.empty() ? Meeting::contained : Meeting::crossing;
-    else if (!overlap_.open && !pairs_.empty())
+    else if (overlap_.open)
+      overlap_.meeting = Meeting::crossing;
+    else if (!pairs_.empty())
       overlap_.meeting = Meeting::touching;
     return overlap_;
   }
@@ -126,7 +128,7 @@ class Overlapping {
       overlap_.exitPath = transformVector(world, deepest.exitPath);
     }
     if (overlap_.depth <= tolerance_ && !cross) return;  // a thing before a hole is in nothing for certain
-    const double known = overlap_.depth + kKnown * std::max(closedA_.size(), closedB_.size());
+    const double known = overlap_.depth + known_;
     overlap_.open = (lidsFirst && anyDeeperWithoutLids(firstInA ? ofB : ofA, known)) ||
                     (lidsSecond && anyDeeperWithoutLids(firstInA ? ofA : ofB, known));
     if (overlap_.depth <= tolerance_ && overlap_.open) witnessCrossing();
@@ -187,57 +189,102 @@ class Overlapping {
     return touched;
   }
 
-  /// The nearest point of both surfaces.
-  bool nearest(const glm::dvec3& p, MeshPoint& at, bool& isOfA) const {
+  /// The nearest point of both surfaces, A's frame.
+  struct Nearest {
+    MeshPoint at;
+    bool isOfA = true;
+  };
+  Nearest nearest(const glm::dvec3& p) const {
+    Nearest found;
     MeshPoint ofB;
-    if (!a_.tree->closestPoint(p, kFarthest, at) ||
-        !b_.tree->closestPoint(transformPoint(bFromA_, p), kFarthest, ofB))
-      return false;
-    isOfA = at.distance <= ofB.distance;
-    if (isOfA) return true;
-    at = ofB;
-    at.point = transformPoint(aFromB_, ofB.point);
-    return true;
+    a_.tree->closestPoint(p, kFarthest, found.at);
+    if (!b_.tree->closestPoint(transformPoint(bFromA_, p), found.at.distance, ofB)) return found;
+    if (!(ofB.distance < found.at.distance)) return found;
+    ofB.point = transformPoint(aFromB_, ofB.point);
+    return {ofB, false};
   }
+  /// The same of both surfaces and their lids, but those of slits.
+  MeshPoint nearestWithLids(const glm::dvec3& p) const {
+    MeshPoint best = nearest(p).at, lid;
+    double reach = std::max(0.0, best.distance - kSlit * tolerance_);
+    if (closedA_.lids() != nullptr && closedA_.lids()->closestPoint(p, reach, lid)) {
+      best = lid;
+      reach = lid.distance;
+    }
+    if (closedB_.lids() != nullptr && closedB_.lids()->closestPoint(transformPoint(bFromA_, p), reach, lid)) {
+      best = lid;
+      best.point = transformPoint(aFromB_, lid.point);
+    }
+    return best;
+  }
+  bool hasLids() const { return closedA_.lids() != nullptr || closedB_.lids() != nullptr; }
 
   /// See overlapOf().
   void measureCoincidence() {
+    double withoutLids = 0.0;  // m, depth of the centre of the largest ball when lids do not count
     for (const std::uint32_t index : someTouched()) {
       const Facet facet = facetOf(a_.tree->triangle(index));
       const glm::dvec3 middle = (facet.t.a + facet.t.b + facet.t.c) / 3.0;
       for (const double side : {-1.0, 1.0}) {
         const glm::dvec3 inwards = facet.normal * side, start = middle + inwards * (4.0 * tolerance_);
-        if (isIn(closedA_, start) && isIn(closedB_, transformPoint(bFromA_, start)))
-          shrinkBall(middle, inwards);
+        if (!isIn(closedA_, start) || !isIn(closedB_, transformPoint(bFromA_, start))) continue;
+        const double radius = ballRadius(middle, inwards, hasLids());
+        keepBall(middle + inwards * radius);
+        if (!hasLids()) continue;
+        const double wider = radiusWithoutLids(middle, inwards, radius);
+        withoutLids = std::max(withoutLids, nearest(middle + inwards * wider).at.distance);
       }
     }
+    overlap_.open = withoutLids > std::max(overlap_.depth, 4.0 * tolerance_) + known_;
+    if (overlap_.depth <= tolerance_ && overlap_.open) witnessCrossing();
   }
 
   /// Shrinks a ball that touches a facet's centre until no surface is in it (Ma, Bae & Choi 2012, "3D
   /// medial axis point approximation using nearest neighbors and the normal field"). Surfaces within the
   /// tolerance of the facet's plane, beside its centre, are the facet itself and the one that coincides
   /// with it.
-  void shrinkBall(const glm::dvec3& middle, const glm::dvec3& inwards) {
+  double ballRadius(const glm::dvec3& middle, const glm::dvec3& inwards, bool countLids) const {
     constexpr int kMaxSteps = 64;
     double radius = 0.0;
     for (const glm::dvec3& p : a_.tree->mesh().positions) radius = std::max(radius, glm::length(p - middle));
-    MeshPoint at;
-    bool isOfA = true;
-    for (int i = 0; i < kMaxSteps && nearest(middle + inwards * radius, at, isOfA); ++i) {
+    for (int i = 0; i < kMaxSteps; ++i) {
+      const glm::dvec3 centre = middle + inwards * radius;
+      const MeshPoint at = countLids ? nearestWithLids(centre) : nearest(centre).at;
       const glm::dvec3 path = at.point - middle;
       const double into = radius - at.distance, square = glm::dot(path, path);
       if (into <= precision() || (into <= 2.0 * tolerance_ && square <= 8.0 * radius * tolerance_)) break;
       radius = square / (2.0 * glm::dot(path, inwards));
     }
-    keepBall(middle + inwards * radius, at, isOfA);
+    return radius;
   }
 
-  void keepBall(const glm::dvec3& centre, const MeshPoint& at, bool isOfA) {
-    if (at.distance <= std::max(4.0 * tolerance_, overlap_.depth)) return;
-    overlap_.depth = at.distance;
+  /// The radius of the ball that only surfaces bound, its centre inside meshes and lids as that of the ball
+  /// of `least` is.
+  double radiusWithoutLids(const glm::dvec3& middle, const glm::dvec3& inwards, double least) const {
+    constexpr int kHalvings = 16;
+    const auto holds = [&](double radius) {
+      const glm::dvec3 centre = middle + inwards * radius;
+      return closedA_.contains(centre) && closedB_.contains(transformPoint(bFromA_, centre));
+    };
+    double most = ballRadius(middle, inwards, false);
+    if (holds(most)) return most;
+    for (int i = 0; i < kHalvings; ++i) {
+      const double between = 0.5 * (least + most);
+      (holds(between) ? least : most) = between;
+    }
+    return least;
+  }
+
+  /// Keeps the ball about `centre`, which reaches to the nearest surface, if it is the largest that is inside
+  /// for certain.
+  void keepBall(const glm::dvec3& centre) {
+    const Nearest found = nearest(centre);
+    if (found.at.distance <= std::max(4.0 * tolerance_, overlap_.depth)) return;
+    if (hasLids() && (!isIn(closedA_, centre) || !isIn(closedB_, transformPoint(bFromA_, centre)))) return;
+    overlap_.depth = found.at.distance;
     overlap_.deepest = transformPoint(a_.worldFromMesh, centre);
-    overlap_.exitPath = transformVector(a_.worldFromMesh, at.point - centre);
-    overlap_.inA = isOfA;
+    overlap_.exitPath = transformVector(a_.worldFromMesh, found.at.point - centre);
+    overlap_.inA = found.isOfA;
   }
 
   /// Whether both are the same mesh at the same place.
@@ -252,7 +299,7 @@ class Overlapping {
   const PlacedMesh &a_, &b_;
   const MeshClosing &closedA_, &closedB_;
   Pose aFromB_, bFromA_;
-  double tolerance_;
+  double tolerance_, known_;  // m
   std::vector<NearPair> pairs_;
   MeshOverlap overlap_;
 };

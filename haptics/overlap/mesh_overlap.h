@@ -47,7 +47,8 @@ double touchTolerance(const PlacedMesh& a, const PlacedMesh& b);
 /// same, within the tolerance, whether or not lids count as surface, at a point that is inside for certain;
 /// else `open` is set. Where surfaces coincide with both insides on one side (a duplicated part), no point
 /// of one is inside the other; the depth is then the radius of the largest ball inside both that touches
-/// the centre of a facet. Where surfaces cross and neither has an inside, see MeshOverlap::sheets.
+/// the centre of a facet, and known if that ball is no larger where lids do not count as surface. Where
+/// surfaces cross and neither has an inside, see MeshOverlap::sheets.
 MeshOverlap overlapOf(const PlacedMesh& a, const MeshClosing& closedA, const PlacedMesh& b,
                       const MeshClosing& closedB);
 

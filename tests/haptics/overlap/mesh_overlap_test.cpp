@@ -114,6 +114,51 @@ TEST(MeshOverlap, FindsAPartThatIsThereTwice) {
   }
 }
 
+/// A plate of 0.2 whose top has a hole of half its width.
+assets::Mesh plateWithAHole() {
+  assets::TriangleSoup soup = boxSoup({1.0, 1.0, 0.2}, 4);
+  std::erase_if(soup.triangles, [&](const auto& t) {
+    const glm::dvec3 middle = (soup.positions[t[0]] + soup.positions[t[1]] + soup.positions[t[2]]) / 3.0;
+    return middle.z > 0.09 && std::abs(middle.x) < 0.25 && std::abs(middle.y) < 0.25;
+  });
+  soup.triangleMaterial.resize(soup.triangles.size());
+  return meshOf(soup);
+}
+
+TEST(MeshOverlap, OfAnOpenPartThatIsThereTwiceIsAtLeastWhatItsSurfaceHolds) {
+  const assets::Mesh plate = plateWithAHole();
+  ASSERT_FALSE(plate.closed);
+  const TriangleBvh tree(plate, 1);
+  for (const double off : {0.0, 1e-9, 1e-7}) {
+    const MeshOverlap found = overlapOf({&tree, {}}, {&tree, {{off, off, 0.0}}});
+    EXPECT_EQ(found.meeting, Meeting::crossing);
+    EXPECT_TRUE(found.open) << "balls reach out of the hole";
+    EXPECT_FALSE(found.sheets);
+    EXPECT_NEAR(found.depth, 0.1, 1e-6) << off;
+    EXPECT_GT(std::abs(windingNumber(plate, found.deepest)), 0.75) << off;
+  }
+}
+
+/// Facets around a saddle point stand on both sides of each other's planes, and meet in one point.
+TEST(MeshOverlap, OfAnOpenPartThatIsThereTwiceIsNotThatOfItsFacetsAtTheirCorners) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  for (int i = 0; i < 60; ++i) {
+    assets::TriangleSoup soup = sphereSoup(0.5, 7);
+    for (glm::dvec3& p : soup.positions) p *= (1.0 + 0.2 * u(random)) * glm::dvec3(1.0, 0.05, 0.5);
+    std::erase_if(soup.triangles, [&](const auto& t) { return soup.positions[t[0]].x > 0.35; });
+    soup.triangleMaterial.resize(soup.triangles.size());
+    const assets::Mesh shell = meshOf(soup);
+    for (glm::dvec3& p : soup.positions) p += 3e-8 * glm::dvec3(u(random), u(random), u(random));
+    const assets::Mesh again = meshOf(soup);  // as rounded elsewhere
+    const TriangleBvh tree(shell, 1), treeAgain(again, 1);
+    const MeshOverlap found = overlapOf({&tree, {}}, {&treeAgain, {}});
+    EXPECT_EQ(found.meeting, Meeting::crossing) << i;
+    EXPECT_FALSE(found.sheets) << i;
+    EXPECT_GT(found.depth, 0.01) << i;
+  }
+}
+
 TEST(MeshOverlap, FindsASmallOverlapAmongManyFlushFaces) {
   // Flush everywhere but for a pin of a hundredth that stands out of one of them.
   const assets::Mesh floor = meshOf(boxSoup({1.0, 1.0, 0.1}, 14));
