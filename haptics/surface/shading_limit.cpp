@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 namespace tandem::haptics {
@@ -14,6 +15,9 @@ constexpr double kUnfelt = 0.03;
 // Change of the force over that of a spring on a curved surface, 1 / (1 - depth * curvature), where shading
 // has faded out: kFadeEnd of force_shading.cpp.
 constexpr double kSteepest = 20.0;
+// The least trust in the normals at which the curvature of their surface is believed: below, the depth along
+// them is that of facets, which jumps where these meet.
+constexpr double kBelieved = 0.9;
 
 glm::dvec3 withLength(const glm::dvec3& v, double most) {
   const double square = glm::dot(v, v);
@@ -25,7 +29,8 @@ double changeOf(const ShadedTouches& touches, double spring, const glm::dvec3& p
                 const ShadingMemory& memory) {
   const bool stays = touches.part == memory.part && touches.region == memory.region;
   const double facets = std::max(0.0, glm::distance(plain, memory.plain) - spring);
-  return spring + std::max(spring * (kSteepest - 1.0), facets) * (stays ? touches.trust : 1.0) + kUnfelt;
+  const double believed = stays ? glm::smoothstep(kBelieved, 1.0, touches.trust) : 1.0;
+  return spring + std::max(spring * (kSteepest - 1.0), facets) * believed + kUnfelt;
 }
 
 }  // namespace

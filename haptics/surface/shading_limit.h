@@ -5,8 +5,8 @@
 // 1. The force is no larger than that of the facets' contact and of the trusted height of the surface over
 //    them.
 // 2. It changes in a tick by no more than a spring over the travel, and a little (kUnfelt in the source).
-//    Where the normals are a surface's, whose curvature turns the force faster, it may by a multiple of that;
-//    and there, or where the tool goes on to another surface, by as much as the facets' own force.
+//    Where the normals are wholly a surface's, whose curvature turns the force faster, it may by a multiple
+//    of that; and there, or where the tool goes on to another surface, by as much as the facets' own force.
 // 3. Neither acts on a smooth surface, so that its force stays the gradient of a potential.
 
 #include <cstdint>

@@ -196,6 +196,18 @@ TEST(RoughShading, AddsNeitherForceNorJumps) {
   EXPECT_LT(jumps, facetJumps / 4) << "of the facets' own jumps, shading takes most";
 }
 
+/// Between smooth and rough the patches are flatter than their normals say, and steps between them are felt.
+TEST(RoughShading, AddsNoJumpsWhereVerticesAreAlmostOfASmoothSurface) {
+  for (const Shape shape : {Shape::sphere, Shape::terrain, Shape::torus})
+    for (const double noise : {0.002, 0.004, 0.006})
+      for (const double depth : {0.5, 1.35})
+        for (unsigned seed = 1; seed <= 4; ++seed) {
+          const Added added = shadingOver(shape, noise, depth, 1.0, 0.0, seed, 1000);
+          EXPECT_GT(added.strongest, 0.05);
+          EXPECT_LE(added.jump, kUnfelt) << nameOf(shape, noise, depth) << " seed " << seed;
+        }
+}
+
 /// The same for shading that no bound holds: the gradient of the depth under the patches alone.
 Added unboundedOver(Shape shape, double noise, double depthInEdges, unsigned seed) {
   const RoughMesh rough(shape, noise, 1.0, seed);
