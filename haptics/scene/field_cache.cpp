@@ -14,7 +14,7 @@ namespace tandem::haptics {
 namespace {
 
 // Raised whenever a bake of the same mesh and options produces another result.
-constexpr std::uint64_t kBakeVersion = 7;
+constexpr std::uint64_t kBakeVersion = 8;
 
 constexpr std::array<char, 8> kCacheMark = {'T', 'D', 'F', 'C', 'a', 'c', 'h', 'e'};
 
