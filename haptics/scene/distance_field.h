@@ -74,7 +74,7 @@ class DistanceField {
     return entry != nullptr ? readingAt(cells_[*entry & ~kLeaf], p) : beyond(p);
   }
 
-  /// The same, and in `near` triangles one of which is nearest to p; empty where the field does not list them.
+  /// The same, and in `near` the triangles of which one is nearest to p; empty where they are not listed.
   Reading read(const glm::vec3& p, Triangles& near) const {
     near = {};
     if (!shapes_.empty()) return ofShapes(p);

@@ -143,7 +143,9 @@ class FieldBake {
   struct Worker {
     Lists near;
     std::vector<std::pair<std::uint32_t, double>> measured;  // scratch: triangles and distances
-    std::vector<std::uint32_t> listed;                       // scratch
+    std::vector<std::uint32_t> listed;                       // scratch, of one cube
+    std::vector<std::uint32_t> shared;                       // the same, of eight smallest cells
+    bool sharedIsKnown = false;
   };
 
   void setLengths();
@@ -416,7 +418,12 @@ void FieldBake::refine(const Job& job, std::span<const std::uint32_t> candidates
     listed.clear();
     if (asked && !options_.onlyCulls) {
       // The eight smallest cells of a cube share the list of that cube, unless it is too long.
-      if (job.side == 1) listNearest({around.centre, 2.0 * job.cube.half}, candidates, worker);
+      if (job.side == 1 && !worker.sharedIsKnown) {
+        listNearest({around.centre, 2.0 * job.cube.half}, candidates, worker);
+        worker.shared = listed;
+        worker.sharedIsKnown = true;
+      }
+      if (job.side == 1) listed = worker.shared;
       if (listed.empty()) listNearest(job.cube, near, worker);
     }
     store(job, model, listed, piece);
@@ -427,6 +434,7 @@ void FieldBake::refine(const Job& job, std::span<const std::uint32_t> candidates
   const Known known{job.cube.centre, nearest.distance, side, nearest.point};
   const double half = 0.5 * job.cube.half;
   const std::uint32_t step = job.side / 2;
+  worker.sharedIsKnown = false;
   for (std::uint32_t i = 0; i < 8; ++i) {
     const std::array<std::uint32_t, 3> bit = {i & 1u, i >> 1 & 1u, i >> 2 & 1u};
     Job child{{job.cube.centre, half}, job.at, step, job.level + 1};
