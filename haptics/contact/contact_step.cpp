@@ -134,7 +134,9 @@ bool ContactStep::advance(bool isFirst, ContactWork& work) {
     island_.moveBody(b, {share * whole.linear, share * whole.angular});
   }
   history_.noteContacts(island_, rows_, solver_);
-  lastMotion_ = share * motion;
+  // A step that was cut short is sought again, as far, from the answers that it has. A shorter reach would
+  // need as many answers for less of the way, and the part would fall behind its hand ever further.
+  lastMotion_ = exhausted ? std::min(motion, reach_) : share * motion;
   return exhausted || (share == 1.0 && (!isFirst || motion < kOneStep * island_.tolerance()));
 }
 

@@ -14,6 +14,7 @@ constexpr double kSettle = 0.2;     // s, in which the hand begins to push the n
 constexpr double kEngaged = 0.008;  // m: a whole number of pitches
 constexpr int kSegments = 40;       // of the thread that is made, a turn; ticks of 25 ms
 constexpr double kPush = 2.0;       // N
+constexpr double kTurnATick = 2e-3 * std::numbers::pi * kTurnsASecond;  // rad
 
 /// The hand turns the nut and pushes it down as a thread that begins after `idle` turns would let it.
 PartCase nutCase(std::string name, assets::Scene scene, PartId nut, const Pose& start, double turns,
@@ -29,8 +30,8 @@ PartCase nutCase(std::string name, assets::Scene scene, PartId nut, const Pose& 
   return {std::move(name), std::move(scene), nut, path, kSettle + turns / kTurnsASecond, {}};
 }
 
-/// A thread of 16 mm and 2 mm pitch, the nut engaged by one turn.
-PartCase madeThread(double turns) {
+/// A thread of 16 mm and 2 mm pitch, the nut engaged from `height` m up: by one turn, or as given.
+PartCase madeThread(double turns, double height = kEngaged) {
   Thread thread;
   thread.clearance = 0.2e-3;
   thread.length = 0.010;
@@ -40,7 +41,7 @@ PartCase madeThread(double turns) {
   shorter.length = 0.005;
   assets::Scene scene = sceneOfParts({{"nut", meshOf(nutThreadSoup(shorter, 0.012)), {}, true},
                                       {"bolt", meshOf(boltThreadSoup(thread)), {}, false}});
-  const Pose engaged{{0.0, 0.0, kEngaged}, glm::dquat(1.0, 0.0, 0.0, 0.0)};
+  const Pose engaged{{0.0, 0.0, height}, glm::dquat(1.0, 0.0, 0.0, 0.0)};
   scene.parts[0].worldFromPart = engaged;
   return nutCase("nut_on_thread", std::move(scene), 0, engaged, turns, thread.pitch);
 }
@@ -85,6 +86,31 @@ TEST(Threads, ANutGoesItsPitchATurn) {
   EXPECT_LT(strayed(rig, 0.002, 1000 / kSegments), 5e-6);
   EXPECT_LT(strayed(rig, 0.002), 20e-6);
   EXPECT_LT(furthestAside(rig), 0.05e-3);
+}
+
+/// rad, the most that the nut has been behind its hand.
+double furthestBehind(const HeldPartRig& rig) {
+  double greatest = 0.0;
+  for (const RigTick& tick : rig.ticks())
+    greatest = std::max(greatest, std::abs(turnedBy(tick.device, tick.part)));
+  return greatest;
+}
+
+/// Engaged from end to end, where the most samples are near the other thread.
+HeldPartRig wholeNut(int sampleQueries) {
+  haptics::TickParameters parameters = rigParameters();
+  parameters.effort.sampleQueries = sampleQueries;
+  return HeldPartRig(madeThread(0.25, 0.004), parameters);
+}
+
+TEST(Threads, AWholeNutGoesWithTheHandOnHalfTheQueries) {
+  // A step then takes some ticks, each of which goes on from what the last one asked for. A nut whose steps
+  // become shorter where queries run out is 1 rad behind.
+  HeldPartRig rig = wholeNut(haptics::ContactEffort{}.sampleQueries / 2);
+  rig.run(20);
+  expectSound(rig);
+  EXPECT_LT(rig.deepest(), kSteadyDepth);
+  EXPECT_LT(furthestBehind(rig), 16.0 * kTurnATick);
 }
 
 TEST(Threads, WithoutATurnItIsHeldByThem) {
