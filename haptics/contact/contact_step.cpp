@@ -134,9 +134,9 @@ bool ContactStep::advance(bool isFirst, ContactWork& work) {
     island_.moveBody(b, {share * whole.linear, share * whole.angular});
   }
   history_.noteContacts(island_, rows_, solver_);
-  // A step that was cut short is sought again, as far, from the answers that it has. A shorter reach would
-  // need as many answers for less of the way, and the part would fall behind its hand ever further.
-  lastMotion_ = exhausted ? std::min(motion, reach_) : share * motion;
+  // After a step that was cut short the next one reaches at least half as far as was sought. A shorter reach
+  // would need as many answers for less of the way, and the part would fall behind its hand ever further.
+  lastMotion_ = std::max(share * motion, exhausted ? 0.5 * std::min(motion, reach_) : 0.0);
   return exhausted || (share == 1.0 && (!isFirst || motion < kOneStep * island_.tolerance()));
 }
 

@@ -82,7 +82,7 @@ class ContactStep {
   SampleRefiner refiner_;
   SideClocks clocks_;
   double reach_ = 0.0;       // m, of the present step
-  double lastMotion_ = 0.0;  // m, of the island's last step, or that one sought if it was cut short
+  double lastMotion_ = 0.0;  // m, of the island's last step; half of what was sought where it was cut short
 };
 
 }  // namespace tandem::haptics
