@@ -62,8 +62,9 @@ double passageRounding(const glm::dvec3& from, const glm::dvec3& to, const Trian
   return 0x1p-44 / flatness * (glm::length(to - from) + glm::length(ab) + glm::length(ac));
 }
 
-/// Whether an edge passes through the face of `t`, at a point that becomes `best`. A point beside the face by
-/// more than rounding is one of the edge all the same, and kept with the nearest one of the face.
+/// Whether an edge passes through the face of `t`; `best` is then that point. Where the edge passes through
+/// its plane beside the face, by more than rounding, that point and the nearest one of the face are kept as a
+/// pair of near points.
 bool passes(const glm::dvec3& from, const glm::dvec3& to, const Triangle& t, bool edgeOfA,
             TrianglePairGap& best) {
   const double share = pierceShare(from, to, t);

@@ -48,7 +48,8 @@ struct Intrusion {
 /// Returns whether the solid's lids had a part in it; else anyDeeperWithoutLids() is false for that depth.
 bool findDeepest(const Intrusion& intrusion, Deepest& best);
 inline constexpr int kMaxSamples = 1 << 15;
-/// Of the tolerance: a lid nearer than the surface by less is that of a slit, and does not count.
+/// In tolerances of touch: a lid that is nearer than the surface by less than this closes a slit, and does
+/// not count.
 inline constexpr double kSlit = 0x1p-4;
 
 /// Whether a point of the mesh inside mesh and lids of the solid, certain or not, is farther than `depth`

@@ -189,7 +189,7 @@ class Overlapping {
     return touched;
   }
 
-  /// The nearest point of both surfaces, A's frame.
+  /// The point of either surface that is nearest to a given one; both in A's frame.
   struct Nearest {
     MeshPoint at;
     bool isOfA = true;

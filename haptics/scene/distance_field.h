@@ -69,9 +69,8 @@ class DistanceField {
   /// bound, with an error of 0 that means "at least". The result for a non-finite point is arbitrary. For
   /// ticks.
   Reading read(const glm::vec3& p) const {
-    if (!shapes_.empty()) return ofShapes(p);
-    const std::uint32_t* const entry = entryOf(p);
-    return entry != nullptr ? readingAt(cells_[*entry & ~kLeaf], p) : beyond(p);
+    Triangles near;
+    return read(p, near);
   }
 
   /// The same, and in `near` the triangles of which one is nearest to p; empty where they are not listed.
@@ -180,8 +179,8 @@ class DistanceField {
   std::vector<std::uint32_t> top_;
   std::vector<std::uint32_t> blocks_;  // kBlock entries each
   std::vector<Cell> cells_;
-  // Of each cell, where its list of triangles is in lists_: their number, then they. Cells share lists, and
-  // the first one is empty.
+  // lists_ holds lists of triangles, each as their count and then their indices. listAt_ holds, for each
+  // cell, where its list begins: cells share lists, and the first one is empty.
   std::vector<std::uint32_t> listAt_, lists_;
   glm::vec3 boxLow_{0.0f, 0.0f, 0.0f}, boxHigh_{0.0f, 0.0f, 0.0f};  // m, of the mesh, relative to the origin
   glm::dvec3 origin_{0.0, 0.0, 0.0};                                // m, part frame

@@ -114,16 +114,13 @@ class FieldBake {
     std::uint32_t root = 0;
     std::vector<std::uint32_t> blocks;
     std::vector<DistanceField::Cell> cells;
-    std::vector<std::uint32_t> listAt, lists{0};             // as in a DistanceField
-    std::unordered_map<std::uint64_t, std::uint32_t> known;  // lists by their hash
+    std::vector<std::uint32_t> listAt, lists{0};  // as in a DistanceField
     double worstSmooth = 0.0;
 
     std::size_t memory() const {
       return (blocks.size() + listAt.size() + lists.size()) * sizeof(std::uint32_t) +
              cells.size() * sizeof(DistanceField::Cell) + sizeof(std::uint32_t);
     }
-    /// Where a list stands, after it has been added if it is new.
-    std::uint32_t place(const std::vector<std::uint32_t>& list);
   };
   /// A cube of the recursion.
   struct Job {
@@ -146,6 +143,7 @@ class FieldBake {
     std::vector<std::uint32_t> listed;                       // scratch, of one cube
     std::vector<std::uint32_t> shared;                       // the same, of eight smallest cells
     bool sharedIsKnown = false;
+    std::unordered_map<std::uint64_t, std::uint32_t> known;  // lists of the present piece, by their hash
   };
 
   void setLengths();
@@ -166,12 +164,14 @@ class FieldBake {
   MeshSides::Side sideOf(const FieldCube& cube, const MeshPoint& nearest, const Known& around) const;
   /// Error that the caps of slits near a cube may cause, m.
   double errorOfCaps(std::span<const std::uint32_t> near) const;
-  /// The triangles of `near`, which holds all within two radii beyond the nearest one of the cube's centre,
-  /// that can be nearest to a place in the cube, if they are few; none otherwise.
+  /// Sets worker.listed to the triangles that can be nearest to a point of the cube, or to none if there are
+  /// more than kMaxListed. `near` holds every triangle that is at most two radii of the cube farther from its
+  /// centre than the nearest one.
   void listNearest(const FieldCube& cube, std::span<const std::uint32_t> near, Worker& worker) const;
-  /// Adds a cell with its list of triangles.
-  void store(const Job& job, const CubeModel& model, const std::vector<std::uint32_t>& near,
-             Piece& piece) const;
+  /// Where worker.listed stands among the lists of the piece, to which it is added if it is new.
+  static std::uint32_t placeOfList(Worker& worker, Piece& piece);
+  /// Adds a cell with the list of triangles in worker.listed.
+  void store(const Job& job, const CubeModel& model, Worker& worker, Piece& piece) const;
   /// Whether the surface turns by less than 20 degrees in and around a cube.
   bool isSmooth(const FieldCube& cube, std::span<const std::uint32_t> near, const MeshPoint& nearest) const;
   double allowed(double distance, double radius) const {
@@ -288,12 +288,12 @@ bool FieldBake::bakePieces(std::vector<Piece>& pieces) {
       // The sum of all cubes decides, in any order: past the limit it stays past it.
       if (index >= pieces.size() || memory.load() > limit || isStopped()) break;
       Piece& piece = pieces[index];
+      worker.known.clear();
       bakePiece(index, worker, piece);
       piece.cells.shrink_to_fit();
       piece.blocks.shrink_to_fit();
       piece.listAt.shrink_to_fit();
       piece.lists.shrink_to_fit();
-      piece.known.clear();
       memory.fetch_add(piece.memory());
       if (number == 0 && options_.progress)
         options_.progress(static_cast<double>(index) / static_cast<double>(pieces.size()));
@@ -410,7 +410,6 @@ void FieldBake::refine(const Job& job, std::span<const std::uint32_t> candidates
     if (!found) model = {glm::dvec3(0.0), side.sign * nearest.distance, radius};
     if (!certain) model = {glm::dvec3(0.0), 0.0, nearest.distance + radius};
     model.error += caps;
-    const bool smooth = found && certain && nearest.distance <= radius && isSmooth(job.cube, near, nearest);
     // What is listed is what contact asks for. Beside caps, which do not exist, another triangle may count.
     const bool asked = model.error + rounding_ > kListedError * field_.tolerance_ &&
                        nearest.distance <= field_.band_ + radius && !(caps > 0.0);
@@ -426,9 +425,10 @@ void FieldBake::refine(const Job& job, std::span<const std::uint32_t> candidates
       if (job.side == 1) listed = worker.shared;
       if (listed.empty()) listNearest(job.cube, near, worker);
     }
-    store(job, model, listed, piece);
+    store(job, model, worker, piece);
     // A cell that only culls, for example between sheets of a defective file, says nothing about accuracy.
-    if (smooth) piece.worstSmooth = std::max(piece.worstSmooth, model.error + rounding_);
+    if (found && certain && nearest.distance <= radius && isSmooth(job.cube, near, nearest))
+      piece.worstSmooth = std::max(piece.worstSmooth, model.error + rounding_);
     return;
   }
   const Known known{job.cube.centre, nearest.distance, side, nearest.point};
@@ -466,12 +466,14 @@ bool FieldBake::isSmooth(const FieldCube& cube, std::span<const std::uint32_t> n
   });
 }
 
-std::uint32_t FieldBake::Piece::place(const std::vector<std::uint32_t>& list) {
+std::uint32_t FieldBake::placeOfList(Worker& worker, Piece& piece) {
+  const std::vector<std::uint32_t>& list = worker.listed;
+  std::vector<std::uint32_t>& lists = piece.lists;
   if (list.empty()) return 0;
   std::uint64_t hash = list.size();  // FNV-1a
   for (const std::uint32_t triangle : list) hash = (hash ^ triangle) * 0x100000001b3u;
   const auto at = static_cast<std::uint32_t>(lists.size());
-  const auto [entry, isNew] = known.try_emplace(hash, at);
+  const auto [entry, isNew] = worker.known.try_emplace(hash, at);
   const std::uint32_t* const there = lists.data() + entry->second;
   if (!isNew && *there == list.size() && std::equal(list.begin(), list.end(), there + 1))
     return entry->second;
@@ -523,13 +525,12 @@ void FieldBake::listNearest(const FieldCube& cube, std::span<const std::uint32_t
   if (worker.listed.size() > DistanceField::kMaxListed) worker.listed.clear();
 }
 
-void FieldBake::store(const Job& job, const CubeModel& model, const std::vector<std::uint32_t>& near,
-                      Piece& piece) const {
+void FieldBake::store(const Job& job, const CubeModel& model, Worker& worker, Piece& piece) const {
   const glm::vec3 gradient(model.gradient);
   const double offset = model.value - glm::dot(glm::dvec3(gradient), job.cube.centre - field_.origin_);
   const std::uint32_t entry = DistanceField::kLeaf | static_cast<std::uint32_t>(piece.cells.size());
   piece.cells.push_back({gradient, static_cast<float>(offset), roundUp(model.error + rounding_)});
-  piece.listAt.push_back(piece.place(near));
+  piece.listAt.push_back(placeOfList(worker, piece));
   const auto newBlock = [&piece] {
     piece.blocks.resize(piece.blocks.size() + DistanceField::kBlock);
     return static_cast<std::uint32_t>(piece.blocks.size() / DistanceField::kBlock - 1);

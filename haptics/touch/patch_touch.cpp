@@ -278,11 +278,8 @@ bool touchingPatch(const TriangleBvh& tree, const MeshEdges& edges, const Contac
   double height = 1e300;
   for (int k = 0; k < 4; ++k) {
     const glm::dvec3 p = patch.pointAt(place);
-    double limit = 1e300;
-    if (hint < tree.mesh().triangles.size())
-      limit = glm::length(p - closestPointOnTriangle(p, tree.triangle(hint)).point) * (1.0 + 1e-12);
     MeshPoint nearest;
-    if (!tree.closestPoint(p, limit, nearest)) return false;
+    if (!nearestPoint(tree, {}, p, 1e300, hint, nearest)) return false;
     if (nearest.triangle == hint && k > 0) break;
     const Candidate lower = lowestNear(tree, edges, patch, nearest.triangle, slack);
     hint = lower.triangle;

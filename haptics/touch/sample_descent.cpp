@@ -135,12 +135,7 @@ Height Descent::heightAt(const glm::dvec3& ownPoint) {
   MeshPoint nearest;
   DistanceField::Triangles near;
   static_cast<void>(models_.to->field.read(glm::vec3(p - models_.to->field.origin()), near));
-  double limit = 1e300;
-  if (near.empty() && hint_ < tree.mesh().triangles.size())
-    limit = glm::length(p - closestPointOnTriangle(p, tree.triangle(hint_)).point) * (1.0 + 1e-12);
-  const bool found =
-      near.empty() ? tree.closestPoint(p, limit, nearest) : tree.closestPointAmong(near, p, limit, nearest);
-  if (!found) return {};
+  if (!nearestPoint(tree, near, p, 1e300, hint_, nearest)) return {};
   hint_ = nearest.triangle;
   const glm::dvec3 offset = p - nearest.point, face = edges.normal(nearest.triangle);
   bool outside = !models_.to->field.solid() || glm::dot(offset, face) >= 0.0;

@@ -258,19 +258,17 @@ TouchingPlane nearestPlane(const TriangleBvh& tree, const MeshEdges& edges, std:
   return predicted(found, sample) >= predicted(single, sample) ? found : single;
 }
 
-/// The point of the mesh that is nearest to the sample, within `reach`; false if there is none.
-bool nearestPoint(const TriangleBvh& tree, const SampleQuery& sample, double reach, std::uint32_t hint,
-                  MeshPoint& nearest) {
+}  // namespace
+
+bool nearestPoint(const TriangleBvh& tree, std::span<const std::uint32_t> near, const glm::dvec3& p,
+                  double reach, std::uint32_t hint, MeshPoint& nearest) {
   constexpr double kRounding = 1.0 + 1e-12;
-  const glm::dvec3& p = sample.point;
-  if (!sample.near.empty()) return tree.closestPointAmong(sample.near, p, reach * kRounding, nearest);
+  if (!near.empty()) return tree.closestPointAmong(near, p, reach * kRounding, nearest);
   double limit = reach;
   if (hint < tree.mesh().triangles.size())
     limit = std::min(limit, glm::length(p - closestPointOnTriangle(p, tree.triangle(hint)).point));
   return tree.closestPoint(p, limit * kRounding, nearest);
 }
-
-}  // namespace
 
 TouchingPlane touchingEdge(const MeshEdge& edge, const SampleQuery& sample) {
   TouchingPlane found;
@@ -285,7 +283,7 @@ bool touchingFeature(const TriangleBvh& tree, const MeshEdges& edges, const Samp
                      std::uint32_t hint, TouchingFeature& found) {
   const glm::dvec3& p = sample.point;
   MeshPoint nearest;
-  if (!nearestPoint(tree, sample, reach, hint, nearest)) return false;
+  if (!nearestPoint(tree, sample.near, p, reach, hint, nearest)) return false;
   found.triangle = nearest.triangle;
   found.distance = nearest.distance;
   const double path = std::max(glm::length(sample.motion), 10.0 * sample.slack);

@@ -31,7 +31,7 @@ struct SampleQuery {
   bool shifted = false;                 // `point` lies beside the sample, by an interference fit
   double range = 0.0;                   // m that it may move before its next query
   double nearest = 1e300;               // m, at most how far the mesh is, for a field that knows
-  std::span<const std::uint32_t> near;  // triangles, one of which is nearest; empty: not known
+  std::span<const std::uint32_t> near;  // triangles of which one is nearest; empty: not known
 };
 
 /// A half-space that a point of the sample's part must not leave: normal . (point - surface) >= 0.
@@ -60,6 +60,12 @@ struct TouchingFeature {
     }
   }
 };
+
+/// The point of the mesh that is nearest to p, within `reach`; false if there is none. `near`: triangles of
+/// which one is nearest, or none if they are not known; `hint`: a triangle that may be near, or any other
+/// number.
+bool nearestPoint(const TriangleBvh& tree, std::span<const std::uint32_t> near, const glm::dvec3& p,
+                  double reach, std::uint32_t hint, MeshPoint& nearest);
 
 /// False if the mesh is further than `reach` away. `hint`: a triangle that may be near, or any other number.
 bool touchingFeature(const TriangleBvh& tree, const MeshEdges& edges, const SampleQuery& sample, double reach,
