@@ -27,6 +27,9 @@ constexpr double kFurthest = 1.0;  // triangles beyond its own to which a patch 
 constexpr double kFold = 1e-3;
 // Depth times curvature at which shading begins to fade, and at which the facets alone are felt.
 constexpr double kFadeBegin = 0.82, kFadeEnd = 0.95;
+// A force along normals that converge turns faster than it grows: over that of a spring it changes by
+// d / (1 - d), d its depth times the curvature. From where shading fades, at most as at the end of that.
+constexpr double kSteepest = 1.0 / (1.0 - kFadeEnd);
 
 CurvedPatch patchOf(const Mesh& mesh, const ShadedMesh& shaded, std::uint32_t t) {
   const std::array<CornerBend, 3>& bends = shaded.bends[t];
@@ -165,7 +168,9 @@ bool projectOntoPatch(const Mesh& mesh, const ShadedMesh* shaded, std::uint32_t 
     previous = x.triangle;
     setStart(mesh, next, x.point, x);
   }
-  x.share = 1.0 - glm::smoothstep(kFadeBegin, kFadeEnd, depthTimesCurvature(*shaded, x, side));
+  const double bent = depthTimesCurvature(*shaded, x, side);
+  x.share = 1.0 - glm::smoothstep(kFadeBegin, kFadeEnd, bent);
+  x.steepness = bent < kFadeBegin ? std::max(1.0, bent / (1.0 - bent)) : kSteepest;
   return beyond > -kTooFar;
 }
 

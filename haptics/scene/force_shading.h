@@ -59,6 +59,7 @@ struct PatchPoint {
   glm::dvec3 uGradient{0.0, 0.0, 0.0}, vGradient{0.0, 0.0, 0.0};  // 1/m
   glm::dvec3 pointU{0.0, 0.0, 0.0}, pointV{0.0, 0.0, 0.0};        // m, derivatives of `point`
   double share = 1.0;   // of this depth in the force; the rest is the facets'
+  double steepness = 1.0;  // >= 1, how much faster the force changes at most than that of a spring
   double trust = 0.0;   // 0..1 at the start: how far the normals are a surface's, not noise
   double relief = 0.0;  // m, >= 0, height of that surface over the facet at the start
 };

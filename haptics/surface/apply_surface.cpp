@@ -108,6 +108,7 @@ class SurfaceTick {
     shading_.stiffness = std::max(shading_.stiffness, stiffness);
     shading_.travel = std::max(shading_.travel, parameters_.dt * glm::length(velocity));
     shading_.trust = std::min(shading_.trust, patch.trust);
+    shading_.steepness = std::max(shading_.steepness, patch.steepness);
   }
 
   const Surface* surfaceOf(PartId part, std::uint32_t triangle, const Material*& material) const {

@@ -12,9 +12,6 @@ namespace {
 // Change of a force in a tick, N, that shading may make beside what the hand makes. At 1 kHz it is a ramp of
 // 30 N/s.
 constexpr double kUnfelt = 0.03;
-// Change of the force over that of a spring on a curved surface, 1 / (1 - depth * curvature), where shading
-// has faded out: kFadeEnd of force_shading.cpp.
-constexpr double kSteepest = 20.0;
 // The least trust in the normals at which the curvature of their surface is believed: below, the depth along
 // them is that of facets, which jumps where these meet.
 constexpr double kBelieved = 0.9;
@@ -30,7 +27,7 @@ double changeOf(const ShadedTouches& touches, double spring, const glm::dvec3& p
   const bool stays = touches.part == memory.part && touches.region == memory.region;
   const double facets = std::max(0.0, glm::distance(plain, memory.plain) - spring);
   const double believed = stays ? glm::smoothstep(kBelieved, 1.0, touches.trust) : 1.0;
-  return spring + std::max(spring * (kSteepest - 1.0), facets) * believed + kUnfelt;
+  return spring + std::max(spring * (touches.steepness - 1.0), facets) * believed + kUnfelt;
 }
 
 }  // namespace

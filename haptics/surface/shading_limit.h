@@ -25,6 +25,7 @@ struct ShadedTouches {
   double stiffness = 0.0;  // N/m, the stiffest
   double travel = 0.0;     // m, of the surfaces
   double trust = 1.0;      // the least PatchPoint::trust
+  double steepness = 1.0;  // the greatest PatchPoint::steepness
   PartId part = kNoPart;   // of the first touch, and its ShadedMesh::region
   std::uint32_t region = 0;
 };

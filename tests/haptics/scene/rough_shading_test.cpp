@@ -73,7 +73,9 @@ struct RoughMesh {
     edge /= static_cast<double>(soup.triangles.size());
     std::mt19937 random(seed);
     std::normal_distribution<double> off(0.0, noise * edge);
-    for (glm::dvec3& p : soup.positions) p += glm::dvec3(off(random), off(random), off(random));
+    for (glm::dvec3& p : soup.positions) {
+      for (int k = 0; k < 3; ++k) p[k] += off(random);
+    }
     mesh = assets::analyseMesh(std::move(soup), 0.5).mesh;
   }
 };
