@@ -23,6 +23,7 @@
 
 namespace tandem::haptics {
 
+class TickHelpers;
 struct LinkId;
 struct LinkTerms;
 struct AddressedPacket;
@@ -57,6 +58,10 @@ class TickState {
   /// The same for a ContactScene whose models alone differ, made by withModel(): a hand feels nothing of it.
   /// At no cost, so it may be called before every tick.
   void refine(const ContactScene& next);
+
+  /// Shares the work of ticks in which parts touch in many places with these helpers, or with none: null. The
+  /// results stay the same, bit by bit. They must outlive this. Allocates.
+  void share(TickHelpers* helpers);
 
   /// What follows is about coordination links to other sites' replicas of parts that are owned here
   /// (replica_links.h): by the thread that ticks, between ticks, free of allocation.

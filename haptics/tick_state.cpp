@@ -47,6 +47,10 @@ void TickState::refine(const ContactScene& next) {
   data_->modelsChanged();
 }
 
+void TickState::share(TickHelpers* helpers) {
+  if (data_->partContact != nullptr) data_->partContact->share(helpers);
+}
+
 bool TickState::beginLink(const LinkTerms& terms) {
   for (const SimulatedPart& entry : data_->held.parts()) {
     const bool moves = entry.held() || data_->held.links().has(entry.part);

@@ -50,6 +50,9 @@ class HandLoop {
   /// before the first tick.
   void addSecondHand();
 
+  /// TickState::share(). Allocates; before the first tick.
+  void share(haptics::TickHelpers* helpers) { state_.share(helpers); }
+
   /// One tick at local time `now`. The wrench is what the device gets. `second`: the reading of the second
   /// hand, whose device gets output().tick.hands[1].toHand; null: there is none.
   Wrench tick(const haptics::DeviceSample& reading, sync::Micros now,

@@ -145,6 +145,11 @@ void JoinedSite::start(std::unique_ptr<haptics::Device> device, std::function<vo
                        std::unique_ptr<haptics::Device> second) {
   ASSERT(device != nullptr && contact_ != nullptr && exchange_ != nullptr && servo_ == nullptr);
   hand_ = std::make_unique<HandLoop>(*contact_, *exchange_);
+  // One core is the loop's, and one is left to the window and the network.
+  if (const int idle = static_cast<int>(std::thread::hardware_concurrency()) - 2; idle > 0) {
+    helpers_ = std::make_unique<haptics::TickHelpers>(idle, [] { haptics::ServoLoop::becomeRealtime(); });
+    hand_->share(helpers_.get());
+  }
   haptics::ModelOptions fine;
   fine.cacheDirectory = options_.cacheDirectory;
   refiner_ = std::make_unique<haptics::ModelRefiner>(

@@ -22,6 +22,7 @@
 #include "client/session/exchange.h"
 #include "client/session/server_connection.h"
 #include "client/session/view_model.h"
+#include "haptics/base/tick_helpers.h"
 #include "haptics/scene/model_refiner.h"
 #include "haptics/servo/servo_loop.h"
 #include "sync/wire/recording.h"
@@ -99,6 +100,7 @@ class JoinedSite {
   std::unique_ptr<haptics::ContactScene> contact_;
   std::unique_ptr<Exchange> exchange_;
   std::unique_ptr<haptics::ModelRefiner> refiner_;          // null: no part can be held
+  std::unique_ptr<haptics::TickHelpers> helpers_;           // null: no core is idle
   std::unique_ptr<HandLoop> hand_;                          // servo thread, once started
   std::unique_ptr<haptics::Device> device_, secondDevice_;  // the second may be null
   std::unique_ptr<haptics::ServoLoop> servo_;

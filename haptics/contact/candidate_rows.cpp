@@ -12,10 +12,37 @@ namespace tandem::haptics {
 namespace {
 
 constexpr double kMostSag = 4.0;   // tolerances by which parts touch beside a sample at most
+constexpr std::uint32_t kWorthDividing = 1024;  // samples
 constexpr float kShallow = 0.25f;  // trusted errors up to which no answer is worth more than a dip
 constexpr float kBlade = 0.7f;     // rad (some 40 degrees) between the faces of a blade at least
 
 }  // namespace
+
+SideTimes::SideTimes(const SideQuery& query, SideClocks& clocks) {
+  if (query.contained) return;
+  allowed = query.overlaps->allowed(query.pair, query.ofFirst(), query.to->field.origin());
+  due = clocks.at(query.sampled, query.target, query, allowed);
+  if (!due.nodes.empty()) divide(query.from->samples);
+}
+
+void SideTimes::divide(const ContactSamples& samples) {
+  const auto count = [&](std::uint32_t n) { return samples.nodes()[n].end - samples.nodes()[n].begin; };
+  roots.push_back(0);
+  while (!roots.full()) {
+    const auto largest = std::max_element(
+        roots.begin(), roots.end(), [&](std::uint32_t a, std::uint32_t b) { return count(a) < count(b); });
+    const std::uint32_t n = *largest, second = samples.nodes()[n].second;
+    if (count(n) < kWorthDividing || second == 0 || !isOpen(samples, due, n)) return;
+    opened.push_back(n);
+    *largest = n + 1;
+    roots.push_back(second);
+  }
+}
+
+void SideTimes::close(const ContactSamples& samples) const {
+  for (std::size_t k = opened.size(); k > 0; --k)
+    due.nodes[opened[k - 1]] = leastOfChildren(samples, due, opened[k - 1]);
+}
 
 float CandidateRows::nearLimit(const SideQuery& query) {
   const double sag =
@@ -23,22 +50,19 @@ float CandidateRows::nearLimit(const SideQuery& query) {
   return std::max(query.limit, static_cast<float>(sag));
 }
 
-double CandidateRows::gather() {
+double CandidateRows::gather(std::size_t part) {
   const PartModel &from = *query_.from, &to = *query_.to;
   const FloatMotion motion(query_.toFromSamples, to.field.origin());
   const auto visit = [&](std::uint32_t i, const glm::vec3& place, const Reading& read) {
     addAnyRows(i, place, read);
     return clear_;
   };
-  if (!query_.contained) {
-    const AllowedDepth allowed = query_.overlaps->allowed(query_.pair, query_.ofFirst(), to.field.origin());
-    const DueTimes due = clocks_.at(query_.sampled, query_.target, query_, allowed);
-    if (!due.nodes.empty()) {
-      // What is not visited is further than the reach from as deep as it may be.
-      deepen(allowed.depth - near_);
-      DueSamples(from.samples, to.field, motion, allowed, near_, due, visit).read();
-      return static_cast<double>(deepest_);
-    }
+  if (!times_.due.nodes.empty()) {
+    // What is not visited is further than the reach from as deep as it may be.
+    deepen(times_.allowed.depth - near_);
+    DueSamples(from.samples, to.field, motion, times_.allowed, near_, times_.due, visit)
+        .read(times_.roots[part]);
+    return static_cast<double>(deepest_);
   }
   NearSamples near(from.samples, to.field, motion, near_);
   while (!near.done()) near.advance(visit);

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 
+#include "haptics/base/fixed_vector.h"
 #include "haptics/contact/due_samples.h"
 #include "haptics/contact/side_clocks.h"
 #include "haptics/contact/side_query.h"
@@ -17,21 +18,43 @@
 
 namespace tandem::haptics {
 
+/// Which samples of a side are due, and how deep they may be.
+struct SideTimes {
+  /// Advances the clock of the side.
+  SideTimes(const SideQuery& query, SideClocks& clocks);
+
+  /// The samples are gathered in so many parts, in any order or at the same time, and then closed.
+  std::size_t parts() const { return roots.empty() ? 1 : roots.size(); }
+  /// After all parts have been gathered.
+  void close(const ContactSamples& samples) const;
+
+  static constexpr std::size_t kMaxParts = 4;
+
+  AllowedDepth allowed;
+  DueTimes due;  // empty: all samples within reach must be read
+  FixedVector<std::uint32_t, kMaxParts> roots;   // the balls of the parts
+  FixedVector<std::uint32_t, kMaxParts> opened;  // balls that hold those, parents first
+
+ private:
+  void divide(const ContactSamples& samples);
+};
+
 class CandidateRows {
  public:
   /// `wide`: samples of smooth surfaces count beyond the reach where their part may touch beside them.
-  CandidateRows(const SideQuery& query, const SampleMemory& memory, SideClocks& clocks, ContactRows& rows,
+  CandidateRows(const SideQuery& query, const SideTimes& times, const SampleMemory& memory, ContactRows& rows,
                 bool wide)
       : query_(query),
+        times_(times),
         memory_(memory),
-        clocks_(clocks),
         rows_(rows),
         near_(wide ? nearLimit(query) : query.limit),
         turn_(query.toFromSamples.orientation),
         rotation_(glm::mat3_cast(query.toFromSamples.orientation)) {}
 
-  /// Adds the rows. Returns m, an upper bound of how deep any sample is in the target; 0 if all are outside.
-  double gather();
+  /// Adds the rows of one part of the samples. Returns m, an upper bound of how deep any of its samples is in
+  /// the target; 0 if all are outside.
+  double gather(std::size_t part);
 
   /// Reads the samples that have never been read, and calls ask(source) for those of which a field leaves
   /// open whether they touch within the reach; the rows are of no use. False if the work ran out.
@@ -106,8 +129,8 @@ class CandidateRows {
   void alignToFace(std::uint32_t i, const Reading& read, glm::vec3& normal, float& gap) const;
 
   const SideQuery& query_;
+  const SideTimes& times_;
   const SampleMemory& memory_;
-  SideClocks& clocks_;
   ContactRows& rows_;
   const float near_;                 // m, how near samples count: the reach or more
   const glm::quat turn_;             // target from samples
@@ -124,9 +147,7 @@ template <typename Ask>
 bool CandidateRows::readAhead(const Ask& ask, CountedWork& work) {
   const PartModel &from = *query_.from, &to = *query_.to;
   const FloatMotion motion(query_.toFromSamples, to.field.origin());
-  const AllowedDepth allowed = query_.overlaps->allowed(query_.pair, query_.ofFirst(), to.field.origin());
-  const DueTimes due = clocks_.at(query_.sampled, query_.target, query_, allowed);
-  if (due.nodes.empty()) return true;
+  if (times_.due.nodes.empty()) return true;
   const auto visit = [&](std::uint32_t i, const glm::vec3& place, const Reading& read) {
     rows_.clear();
     lowest_ = 0.0f;
@@ -138,7 +159,7 @@ bool CandidateRows::readAhead(const Ask& ask, CountedWork& work) {
     addAnyRows(i, place, read);
     return clear_;
   };
-  return DueSamples(from.samples, to.field, motion, allowed, near_, due, visit).readAhead(work);
+  return DueSamples(from.samples, to.field, motion, times_.allowed, near_, times_.due, visit).readAhead(work);
 }
 
 }  // namespace tandem::haptics

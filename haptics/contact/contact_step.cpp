@@ -13,6 +13,8 @@ namespace {
 constexpr double kStill = 0.02, kShortReach = 30.0, kOneStep = 20.0;
 // The reach beyond kShortReach, in motions of the last step.
 constexpr double kGrowth = 3.0;
+// Rows of a tick from which on the next one wakes helpers: gathering them takes some 100 us.
+constexpr int kWorthSharing = 800;
 
 }  // namespace
 
@@ -62,18 +64,36 @@ void ContactStep::move(std::span<MovingPart* const> moving, const Tick& tick, in
 void ContactStep::gather(double reach, double dt, bool isFirst) {
   rows_.clear();
   overlaps_.beginStep();
+  const SharedGather::Step step{island_, overlaps_, refiner_.memory(), clocks_, rows_, reach, isFirst};
+  if (sharing_) shared_->findSides(step);
   for (int i = 0; i < island_.pairCount(); ++i) {
     if (!TICK_ASSERT(fault_, rows_.beginPair())) return;
-    const ContactPair& pair = island_.pair(i);
-    if (!pair.mayTouch()) continue;
-    // Two moving bodies may approach each other.
-    const double closing = pair.second >= 0 ? 2.0 * reach : reach;
-    for (const std::uint16_t side : {std::uint16_t{0}, std::uint16_t{1}}) {
-      const SideQuery query(island_, overlaps_, static_cast<std::uint16_t>(i), side, closing);
-      overlaps_.noteDepth(i, CandidateRows(query, refiner_.memory(), clocks_, rows_, isFirst).gather());
-    }
+    if (!island_.pair(i).mayTouch()) continue;
+    sharing_ ? shared_->appendPair(i, step) : gatherPair(i, step);
     if (overlaps_.contained(i)) rows_.addExact(overlaps_.exitRow(i, dt));
   }
+}
+
+void ContactStep::gatherPair(int pair, const SharedGather::Step& step) {
+  for (const std::uint16_t side : {std::uint16_t{0}, std::uint16_t{1}}) {
+    const SideQuery query(island_, overlaps_, static_cast<std::uint16_t>(pair), side,
+                          closingReach(island_.pair(pair), step.reach));
+    const SideTimes times(query, clocks_);
+    for (std::size_t part = 0; part < times.parts(); ++part)
+      overlaps_.noteDepth(pair, CandidateRows(query, times, step.memory, rows_, step.wide).gather(part));
+    times.close(query.from->samples);
+  }
+}
+
+void ContactStep::share(TickHelpers* helpers) {
+  shared_.reset();
+  if (helpers != nullptr && helpers->count() > 0)
+    shared_ = std::make_unique<SharedGather>(*helpers, clocks_);
+}
+
+TickHelpers::Awake ContactStep::beginTick(const ContactWork& last) {
+  sharing_ = shared_ != nullptr && last.planes + last.balls >= kWorthSharing;
+  return TickHelpers::Awake(sharing_ ? &shared_->helpers() : nullptr);
 }
 
 double ContactStep::shortReach(const ContactIsland& island) { return kShortReach * island.tolerance(); }
@@ -90,7 +110,8 @@ bool ContactStep::readAhead(double dt, const ContactEffort& effort, CountedWork&
         rows_.clear();
         refiner_.refine(source, {}, rows_);
       };
-      if (!CandidateRows(query, refiner_.memory(), clocks_, rows_, true).readAhead(ask, work)) return false;
+      const SideTimes times(query, clocks_);
+      if (!CandidateRows(query, times, refiner_.memory(), rows_, true).readAhead(ask, work)) return false;
     }
   }
   return true;

@@ -9,6 +9,7 @@
 // 2. Only the constructor allocates.
 
 #include <cstdint>
+#include <memory>
 #include <span>
 
 #include "haptics/base/contact_effort.h"
@@ -19,6 +20,7 @@
 #include "haptics/contact/overlaps.h"
 #include "haptics/contact/part_joints.h"
 #include "haptics/contact/sample_refiner.h"
+#include "haptics/contact/shared_gather.h"
 #include "haptics/contact/side_clocks.h"
 #include "haptics/fit/counted_work.h"
 #include "haptics/solver/contact_rows.h"
@@ -48,6 +50,13 @@ class ContactStep {
   ContactStep(const ContactWorld& world, ContactIsland& island, Overlaps& overlaps, PartJoints& joints,
               ContactHistory& history, FaultLatch& fault);
 
+  /// Shares the work of heavy ticks with these helpers from now on, or with none: null. They must outlive
+  /// this. Allocates.
+  void share(TickHelpers* helpers);
+  /// Begins a tick, after one in which `last` was done. The helpers are awake while the result lives.
+  [[nodiscard]] TickHelpers::Awake beginTick(const ContactWork& last);
+  bool isShared() const { return sharing_; }
+
   /// Moves the bodies of the island as far as contacts and joints let them, and sets poses and velocities
   /// of the parts, which stand in the same order. At most `maxIterations` rows are refined or made active.
   void move(std::span<MovingPart* const> moving, const Tick& tick, int maxIterations);
@@ -62,6 +71,8 @@ class ContactStep {
  private:
   /// Adds the candidate rows of all pairs that could touch within `reach` m.
   void gather(double reach, double dt, bool isFirst);
+  /// Those of one pair.
+  void gatherPair(int pair, const SharedGather::Step& step);
   /// Adds the exact rows of the cached contacts, so that what rests stays at rest. They are queried for the
   /// remaining displacement of the bodies.
   void refineCached();
@@ -81,6 +92,8 @@ class ContactStep {
   ContactSolver solver_;
   SampleRefiner refiner_;
   SideClocks clocks_;
+  std::unique_ptr<SharedGather> shared_;  // null: nothing is shared
+  bool sharing_ = false;                  // in this tick
   double reach_ = 0.0;       // m, of the present step
   double lastMotion_ = 0.0;  // m, of the island's last step; half of what was sought where it was cut short
 };

@@ -9,6 +9,16 @@
 
 namespace tandem::haptics {
 
+/// The time at which the first child of a ball is due.
+inline float leastOfChildren(const ContactSamples& samples, const DueTimes& due, std::uint32_t n) {
+  return std::min(due.nodes[n + 1], due.nodes[samples.nodes()[n].second]);
+}
+/// Whether the parts of a ball say when they are due, so that it need not be read as a whole.
+inline bool isOpen(const ContactSamples& samples, const DueTimes& due, std::uint32_t n) {
+  return due.nodes[n] > DueTimes::kNever &&
+         (samples.nodes()[n].second == 0 || due.nodes[n] == leastOfChildren(samples, due, n));
+}
+
 /// Reads the samples that may be within `reach` m of a field's surface or behind it, less what they may be
 /// behind it, and no others. Sets the times until which what it has read need not be read again.
 ///
@@ -29,8 +39,9 @@ class DueSamples {
         visit_(visit),
         end_(due.now + reach) {}
 
-  void read() {
-    push(0);
+  /// Those in the ball `root`.
+  void read(std::uint32_t root) {
+    push(root);
     while (top_ > 0) readBalls(kAtOnce);
     readSamples();
     close();
@@ -59,13 +70,6 @@ class DueSamples {
 
   const Node& node(std::uint32_t n) const { return samples_.nodes()[n]; }
   static glm::vec3 centreOf(const Node& node) { return {node.centre[0], node.centre[1], node.centre[2]}; }
-  float leastOfChildren(std::uint32_t n) const {
-    return std::min(due_.nodes[n + 1], due_.nodes[node(n).second]);
-  }
-  /// Whether the parts of a ball say when they are due, so that it need not be read as a whole.
-  bool isOpen(std::uint32_t n) const {
-    return due_.nodes[n] > DueTimes::kNever && (node(n).second == 0 || due_.nodes[n] == leastOfChildren(n));
-  }
   void push(std::uint32_t n) {
     if (due_.nodes[n] <= end_) stack_[top_++] = n;
   }
@@ -75,7 +79,7 @@ class DueSamples {
     // Children are read after their parent.
     while (visited_ > 0) {
       const std::uint32_t n = due_.visited[--visited_];
-      due_.nodes[n] = leastOfChildren(n);
+      due_.nodes[n] = leastOfChildren(samples_, due_, n);
     }
   }
 
@@ -100,7 +104,7 @@ class DueSamples {
     std::copy_n(stack_.begin() + static_cast<std::ptrdiff_t>(first), batch, taken.begin());
     top_ = first;
     for (std::size_t k = 0; k < batch; ++k) {
-      if (isOpen(taken[k])) {
+      if (isOpen(samples_, due_, taken[k])) {
         open(taken[k]);
       } else {
         at[closedCount] = motion_(centreOf(node(taken[k])));
@@ -130,31 +134,52 @@ class DueSamples {
         due_.nodes[n] = std::min(due_.nodes[n], due_.samples[i]);
         continue;
       }
-      if (collected_ == kAtOnce) readSamples();
-      at_[collected_] = motion_(glm::vec3(samples_.points()[i]));
-      sample_[collected_++] = {i, n, allowed};
+      Batch& batch = batches_[filling_];
+      const glm::vec4& point = samples_.points()[i];
+      batch.at[batch.count] = motion_(glm::vec3(point));
+      batch.samples[batch.count++] = {i, n, point.w, allowed};
+      if (batch.count == kAtOnce) nextBatch();
     }
   }
 
-  /// Reads the samples that have been collected.
+  /// Reads the samples that have been collected: of both batches.
   void readSamples() {
-    field_.read(at_.data(), collected_, readings_.data());
-    for (std::uint32_t k = 0; k < collected_; ++k) {
-      const Collected& sample = sample_[k];
-      float clear =
-          readings_[k].distance - readings_[k].error - samples_.points()[sample.index].w + sample.allowed;
-      if (clear <= reach_) clear = visit_(sample.index, at_[k], readings_[k]);
-      const float until = due_.until(clear);
-      due_.samples[sample.index] = until;
-      due_.nodes[sample.leaf] = std::min(due_.nodes[sample.leaf], until);
-    }
-    collected_ = 0;
+    for (int k = 0; k < 2; ++k) nextBatch();
+  }
+  /// Visits the samples of the batch before the one that has been filled, while memory answers for this one.
+  void nextBatch() {
+    Batch& filled = batches_[filling_];
+    field_.seek(filled.at.data(), filled.count, filled.places);
+    for (std::uint32_t k = 0; k < filled.count; ++k)
+      __builtin_prefetch(&samples_.samples()[filled.samples[k].index]);
+    filling_ ^= 1u;
+    readBatch(batches_[filling_]);
+    field_.fetch(filled.count, filled.places);
   }
 
   struct Collected {
     std::uint32_t index, leaf;
-    float allowed;  // m that it may be deep
+    float radius, allowed;  // m, of what it stands for; that it may be deep
   };
+  struct Batch {
+    std::array<Collected, kAtOnce> samples;
+    std::array<glm::vec3, kAtOnce> at;
+    DistanceField::Places places;
+    std::uint32_t count = 0;
+  };
+
+  void readBatch(Batch& batch) {
+    field_.read(batch.at.data(), batch.count, batch.places, readings_.data());
+    for (std::uint32_t k = 0; k < batch.count; ++k) {
+      const Collected& sample = batch.samples[k];
+      float clear = readings_[k].distance - readings_[k].error - sample.radius + sample.allowed;
+      if (clear <= reach_) clear = visit_(sample.index, batch.at[k], readings_[k]);
+      const float until = due_.until(clear);
+      due_.samples[sample.index] = until;
+      due_.nodes[sample.leaf] = std::min(due_.nodes[sample.leaf], until);
+    }
+    batch.count = 0;
+  }
 
   const ContactSamples& samples_;
   const DistanceField& field_;
@@ -165,10 +190,8 @@ class DueSamples {
   const Visit& visit_;
   float end_;  // time until which samples are due
   std::array<DistanceField::Reading, kAtOnce> readings_;
-  // Samples that are due and have not been read yet, and where they are.
-  std::array<Collected, kAtOnce> sample_;
-  std::array<glm::vec3, kAtOnce> at_;
-  std::uint32_t collected_ = 0;
+  std::array<Batch, 2> batches_;  // one is filled while the other waits for memory
+  std::uint32_t filling_ = 0;
   // A tree of 2^32 samples is 28 levels deep, and each level leaves at most kAtOnce balls behind.
   std::array<std::uint32_t, 40 * kAtOnce> stack_;
   std::size_t top_ = 0, visited_ = 0;

@@ -111,6 +111,7 @@ bool PartContact::pressesWhereCut(PartId part) const {
 }
 
 void PartContact::move(std::span<MovingPart> moving, double dt, const ContactEffort& effort) {
+  const TickHelpers::Awake helpers = step_.beginTick(work_);
   work_ = Work{};
   touches_.clear();
   dt_ = dt;

@@ -341,7 +341,6 @@ void SampleRefiner::remember(const SideQuery& query, std::uint32_t sample, const
     }
   }
   answer.triangle = found.triangle;
-  answer.target = query.target;
   answer.step = memory_.step();
 }
 

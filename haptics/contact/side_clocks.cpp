@@ -48,14 +48,28 @@ void SideClocks::restart(Side& side, const SampledModels& models) {
   std::fill(times, times + timesOf(*models.from), DueTimes::kNever);
 }
 
+bool SideClocks::isOf(const Side& side, PartId sampled, PartId target, const SampledModels& models) {
+  return side.sampled == sampled && side.target == target && side.features == models.from->features.get() &&
+         side.tree == models.to->tree;
+}
+
+bool SideClocks::hasRoomFor(const SampledModels& models) const {
+  return !sides_.full() && used_ + timesOf(*models.from) <= room_;
+}
+
+bool SideClocks::forgetsFor(PartId sampled, PartId target, const SampledModels& models) const {
+  const auto isThis = [&](const Side& side) { return isOf(side, sampled, target, models); };
+  return std::none_of(sides_.begin(), sides_.end(), isThis) && !hasRoomFor(models);
+}
+
 SideClocks::Side& SideClocks::sideOf(PartId sampled, PartId target, const SampledModels& models) {
   for (Side& side : sides_) {
-    if (side.sampled != sampled || side.target != target) continue;
-    if (side.features == models.from->features.get() && side.tree == models.to->tree) return side;
-    side.sampled = kNoPart;  // one of the meshes has been exchanged
+    if (isOf(side, sampled, target, models)) return side;
+    // One of the meshes has been exchanged.
+    if (side.sampled == sampled && side.target == target) side.sampled = kNoPart;
   }
   const std::size_t needed = timesOf(*models.from);
-  if (sides_.full() || used_ + needed > room_) {
+  if (!hasRoomFor(models)) {
     while (!sides_.empty()) sides_.pop_back();
     used_ = 0;
   }

@@ -50,6 +50,10 @@ class SideClocks {
   /// The times of a side whose samples are at a pose (part frames) and may be deep in the target by
   /// `allowed`; its clock has advanced since the last call. Empty where there is no room for so many samples.
   DueTimes at(PartId sampled, PartId target, const SampledModels& models, const AllowedDepth& allowed);
+  /// Whether at() would forget the other sides, because there is no room for one more.
+  bool forgetsFor(PartId sampled, PartId target, const SampledModels& models) const;
+  /// Most nodes of a tree: the room that DueTimes::visited needs.
+  std::size_t mostNodes() const { return mostNodes_; }
 
  private:
   static constexpr std::size_t kMaxSides = 2 * kMaxPairs, kMaxTimes = std::size_t{1} << 20;
@@ -64,6 +68,8 @@ class SideClocks {
     AllowedDepth allowed;
   };
 
+  static bool isOf(const Side& side, PartId sampled, PartId target, const SampledModels& models);
+  bool hasRoomFor(const SampledModels& models) const;
   Side& sideOf(PartId sampled, PartId target, const SampledModels& models);
   void restart(Side& side, const SampledModels& models);
 

@@ -85,23 +85,16 @@ class DistanceField {
   }
 
   static constexpr std::uint32_t kMaxAtOnce = 16;
+  class Places;
   /// read() for up to kMaxAtOnce points, whose memory latencies overlap; latency is most of the cost of a
   /// reading.
-  void read(const glm::vec3* points, std::uint32_t count, Reading* readings) const {
-    if (!shapes_.empty()) return ofShapes(points, count, readings);
-    std::array<const std::uint32_t*, kMaxAtOnce> entries;
-    std::array<const Cell*, kMaxAtOnce> cells;
-    for (std::uint32_t k = 0; k < count; ++k) {
-      entries[k] = entryOf(points[k]);
-      __builtin_prefetch(entries[k]);
-    }
-    for (std::uint32_t k = 0; k < count; ++k) {
-      cells[k] = entries[k] != nullptr ? &cells_[*entries[k] & ~kLeaf] : nullptr;
-      __builtin_prefetch(cells[k]);
-    }
-    for (std::uint32_t k = 0; k < count; ++k)
-      readings[k] = cells[k] != nullptr ? readingAt(*cells[k], points[k]) : beyond(points[k]);
-  }
+  void read(const glm::vec3* points, std::uint32_t count, Reading* readings) const;
+
+  // The same in three parts, between which the caller does other work while memory answers.
+
+  void seek(const glm::vec3* points, std::uint32_t count, Places& places) const;
+  void fetch(std::uint32_t count, Places& places) const;
+  void read(const glm::vec3* points, std::uint32_t count, const Places& places, Reading* readings) const;
 
   glm::dvec3 origin() const { return origin_; }
   /// The shapes of an exact field, part frame; empty for a mesh.
@@ -189,3 +182,5 @@ class DistanceField {
 };
 
 }  // namespace tandem::haptics
+
+#include "haptics/scene/distance_field_places.h"

@@ -53,13 +53,6 @@ void flushDenormals() {
 #endif
 }
 
-/// Tries for real-time priority; 0 or the error number.
-int becomeRealtime() {
-  sched_param parameter{};
-  parameter.sched_priority = kPriority;
-  return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter);
-}
-
 /// Locks the process into memory; 0 or the error number.
 int lockMemory() {
   // Under a memory limit MCL_FUTURE would make later allocations of the whole program fail, so it is used
@@ -202,6 +195,12 @@ ServoLoop::ServoLoop(Device& device, Device& second, PairCallback callback, doub
 }
 
 ServoLoop::~ServoLoop() { stop(); }
+
+int ServoLoop::becomeRealtime() {
+  sched_param parameter{};
+  parameter.sched_priority = kPriority;
+  return pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter);
+}
 
 void ServoLoop::start() {
   if (state_->thread.joinable()) return;

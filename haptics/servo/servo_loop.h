@@ -65,6 +65,10 @@ class ServoLoop {
   /// Compute time of recent ticks for a live plot, us, oldest first; any thread.
   std::array<float, 256> recentComputeTimes() const;
 
+  /// Gives the calling thread the loop's priority, SCHED_FIFO, as the loop may wait for it (TickHelpers).
+  /// Returns 0, or the error number where it may not have it.
+  static int becomeRealtime();
+
   /// Seconds on the clock of callbacks and samples.
   static double now();
 

@@ -71,6 +71,20 @@ void ContactRows::addBall(const glm::vec3& arm, float room, RowSource source) {
   ball_[balls_++] = {arm, room, source};
 }
 
+void ContactRows::append(const ContactRows& other, const Range& range) {
+  const int planes = std::min(range.endPlane - range.firstPlane, kMaxPlanes - planes_),
+            balls = std::min(range.endBall - range.firstBall, kMaxBalls - balls_);
+  for (int k = 0; k < 6; ++k) std::copy_n(other.wrench_[k] + range.firstPlane, planes, wrench_[k] + planes_);
+  std::copy_n(other.gap_ + range.firstPlane, planes, gap_ + planes_);
+  std::copy_n(other.beside_ + range.firstPlane, planes, beside_ + planes_);
+  std::copy_n(other.source_.get() + range.firstPlane, planes, source_.get() + planes_);
+  std::copy_n(other.ball_.get() + range.firstBall, balls, ball_.get() + balls_);
+  anyBeside_ = anyBeside_ || other.anyBeside_;
+  dropped_ += range.endPlane - range.firstPlane - planes + range.endBall - range.firstBall - balls;
+  planes_ += planes;
+  balls_ += balls;
+}
+
 int ContactRows::addExact(const ExactRow& row) {
   if (exact_ == kMaxExact) {
     ++dropped_;

@@ -92,6 +92,20 @@ class ContactRows {
   void addPlane(const glm::vec3& normal, const glm::vec3& arm, float gap, RowSource source,
                 float beside = 0.0f);
   void addBall(const glm::vec3& arm, float room, RowSource source);
+  /// Planes and balls that have been added one after the other.
+  struct Range {
+    int firstPlane = 0, endPlane = 0, firstBall = 0, endBall = 0;
+  };
+  /// Those from here on, until end(range).
+  Range begin() const { return {planes_, planes_, balls_, balls_}; }
+  void end(Range& range) const {
+    range.endPlane = planes_;
+    range.endBall = balls_;
+  }
+  /// Adds those of other rows.
+  void append(const ContactRows& other, const Range& range);
+  /// Counts rows that others have dropped.
+  void noteDropped(const ContactRows& other) { dropped_ += other.dropped_; }
   /// Returns its index, or -1 if there is no room.
   int addExact(const ExactRow& row);
 

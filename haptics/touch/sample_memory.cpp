@@ -17,27 +17,22 @@ float SampleAnswer::movedSince(const glm::vec3& now, const glm::quat& turn, floa
 SampleMemory::SampleMemory(const ContactWorld& world) {
   for (PartId part = 0; world.has(part); ++part) {
     const PartModel* model = world.model(part);
-    answers_.emplace_back(model != nullptr ? kTargets * model->samples.samples().size() : 0);
+    const std::size_t count = model != nullptr ? kTargets * model->samples.samples().size() : 0;
+    targets_.emplace_back(count, kNoPart);
+    answers_.emplace_back(count);
   }
   ASSERT(!world.has(static_cast<PartId>(answers_.size())));
 }
 
-const SampleAnswer* SampleMemory::find(PartId part, std::uint32_t sample, PartId target) const {
-  const SampleAnswer* const first = &answers_[part][kTargets * sample];
-  for (std::uint32_t k = 0; k < kTargets; ++k) {
-    if (first[k].target == target) return first + k;
-  }
-  return nullptr;
-}
-
 SampleAnswer& SampleMemory::slot(PartId part, std::uint32_t sample, PartId target) {
-  SampleAnswer* const first = &answers_[part][kTargets * sample];
-  SampleAnswer* oldest = first;
-  for (std::uint32_t k = 0; k < kTargets; ++k) {
-    if (first[k].target == target) return first[k];
-    if (age(first[k]) > age(*oldest)) oldest = first + k;
+  const std::size_t first = std::size_t{kTargets} * sample;
+  std::size_t oldest = first;
+  for (std::size_t k = first; k < first + kTargets; ++k) {
+    if (targets_[part][k] == target) return answers_[part][k];
+    if (age(answers_[part][k]) > age(answers_[part][oldest])) oldest = k;
   }
-  return *oldest;
+  targets_[part][oldest] = target;
+  return answers_[part][oldest];
 }
 
 }  // namespace tandem::haptics

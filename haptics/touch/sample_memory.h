@@ -7,6 +7,7 @@
 // 2. Only the constructor allocates.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -37,7 +38,6 @@ struct SampleAnswer {
   glm::quat orientation{1.0f, 0.0f, 0.0f, 0.0f};  // of its part then, frame of the target
   int planes = 0;
   std::uint32_t triangle = kNoTriangle;  // of the target, the nearest one
-  PartId target = kNoPart;
   std::uint32_t step = 0;              // in which it was found
   std::array<AnsweredPlane, 4> plane;  // of its contact
 };
@@ -59,14 +59,23 @@ class SampleMemory {
   }
 
   /// The last answer of a sample before a target; null if there is none.
-  const SampleAnswer* find(PartId part, std::uint32_t sample, PartId target) const;
+  const SampleAnswer* find(PartId part, std::uint32_t sample, PartId target) const {
+    const std::size_t first = std::size_t{kTargets} * sample;
+    for (std::size_t k = first; k < first + kTargets; ++k) {
+      if (targets_[part][k] == target) return &answers_[part][k];
+    }
+    return nullptr;
+  }
   /// The entry for the next answer of the sample before this target.
   SampleAnswer& slot(PartId part, std::uint32_t sample, PartId target);
 
  private:
   static constexpr std::uint32_t kFreshSteps = 8;
 
-  std::vector<std::vector<SampleAnswer>> answers_;  // one list a part: kTargets for each of its samples
+  // One list a part: kTargets for each of its samples. Most samples have no answer, which the targets alone
+  // say, in far less memory.
+  std::vector<std::vector<PartId>> targets_;
+  std::vector<std::vector<SampleAnswer>> answers_;
   std::uint32_t step_ = 0;
 };
 

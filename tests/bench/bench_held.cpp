@@ -1,4 +1,4 @@
-// bench_held [--repeats N] [--only NAME] [--record FILE] [--json OUT] [FILE UNIT]
+// bench_held [--repeats N] [--helpers N] [--only NAME] [--record FILE] [--json OUT] [FILE UNIT]
 //
 // The tick with a part in the hand, for every part of a scene that a hand can take: it is held by its middle
 // where it stands and drawn 1 % of its size to and fro along each axis, 180 ticks, at full effort. The ticks
@@ -23,6 +23,7 @@
 #include "assets/gltf/load_gltf.h"
 #include "assets/scene/control.h"
 #include "client/base/thread_clock.h"
+#include "haptics/base/tick_helpers.h"
 #include "haptics/scene/contact_scene_data.h"
 #include "haptics/tick_data.h"
 #include "tests/bench/bench_report.h"
@@ -39,7 +40,7 @@ constexpr double kMostNutP50 = 250.0, kMostNutP99 = 500.0;  // us, asked of the 
 constexpr double kTurn = 2.0 * std::numbers::pi;            // rad
 
 struct Options {
-  int repeats = 3, queries = haptics::ContactEffort{}.sampleQueries;
+  int repeats = 3, helpers = 0, queries = haptics::ContactEffort{}.sampleQueries;
   std::string only, record, json, file, unit = "m";
 };
 
@@ -64,8 +65,9 @@ struct HeldRun {
 /// A hand that takes a part where it stands and leads it along a path.
 template <typename Path>
 HeldRun hold(const haptics::ContactScene& contact, PartId part, int ticks,
-             const haptics::TickParameters& parameters, const Path& path) {
+             const haptics::TickParameters& parameters, haptics::TickHelpers& helpers, const Path& path) {
   haptics::TickState state(contact);
+  state.share(&helpers);
   const std::array<haptics::PartCommand, 2> take{
       {{haptics::PartCommand::Kind::own, part, state.worldFromPart(part)},
        {haptics::PartCommand::Kind::grasp, part, {}}}};
@@ -108,13 +110,14 @@ HeldRun best(int repeats, const Hold& holdOnce) {
   return least;
 }
 
-HeldRun draw(const haptics::ContactScene& contact, PartId part, haptics::TickParameters parameters) {
+HeldRun draw(const haptics::ContactScene& contact, PartId part, const haptics::TickParameters& parameters,
+             haptics::TickHelpers& helpers) {
   constexpr int kTicksAnAxis = 60;
   constexpr double kDraw = 0.01;  // of the part's size
   const haptics::ContactWorld world(contact);
   const haptics::Collider& collider = world.collider(part);
   const glm::dvec3 middle = transformPoint(world.pose(part), collider.centre);
-  return hold(contact, part, 3 * kTicksAnAxis, parameters, [&](int i) {
+  return hold(contact, part, 3 * kTicksAnAxis, parameters, helpers, [&](int i) {
     Pose device{middle, glm::dquat(1.0, 0.0, 0.0, 0.0)};
     if (i > 0) {
       device.position[(i - 1) / kTicksAnAxis] +=
@@ -125,13 +128,14 @@ HeldRun draw(const haptics::ContactScene& contact, PartId part, haptics::TickPar
 }
 
 /// Once round, at a turn a second.
-HeldRun turnNut(const haptics::ContactScene& contact, PartId nut, haptics::TickParameters parameters) {
+HeldRun turnNut(const haptics::ContactScene& contact, PartId nut, haptics::TickParameters parameters,
+                haptics::TickHelpers& helpers) {
   constexpr int kSettle = 200, kTicks = 1200;
   constexpr double kPitch = 0.002, kPush = 2.0;  // m, N
   parameters.graspStiffness = 1000.0;
   parameters.forceLimit = parameters.torqueLimit = 1e6;
   const Pose start = contact.scene().parts[nut].worldFromPart;
-  return hold(contact, nut, kTicks, parameters, [&](int i) {
+  return hold(contact, nut, kTicks, parameters, helpers, [&](int i) {
     const double turned = 1e-3 * std::max(0, i - kSettle);
     Pose device = start;
     device.orientation = tandem::fromRotationVector({0.0, 0.0, -kTurn * turned}) * start.orientation;
@@ -142,7 +146,8 @@ HeldRun turnNut(const haptics::ContactScene& contact, PartId nut, haptics::TickP
 
 class Bench {
  public:
-  explicit Bench(const Options& options) : options_(options), report_("bench_held") {
+  explicit Bench(const Options& options)
+      : options_(options), helpers_(options.helpers), report_("bench_held") {
     parameters_.effort.sampleQueries = options.queries;
     if (!options.record.empty()) record_ = std::fopen(options.record.c_str(), "w");
   }
@@ -168,7 +173,8 @@ class Bench {
       if (!scene->parts[i].movable || tandem::assets::controlOf(*scene, part) != nullptr ||
           name.find(options_.only) == std::string::npos)
         continue;
-      const HeldRun run = best(options_.repeats, [&] { return draw(contact, part, parameters_); });
+      const HeldRun run =
+          best(options_.repeats, [&] { return draw(contact, part, parameters_, helpers_); });
       const tandem::Percentiles times = note(name, run);
       ++parts;
       mostTaking = std::max(mostTaking, run.taking.size());
@@ -194,8 +200,9 @@ class Bench {
     while (engaged.parts[nut].name != "nut") ++nut;
     engaged.parts[nut].worldFromPart = {{0.0, 0.0, 0.010}, glm::dquat(1.0, 0.0, 0.0, 0.0)};
     const haptics::ContactScene contact = modelled(engaged);
-    const tandem::Percentiles times = note(
-        "M16 nut, seven turns", best(options_.repeats, [&] { return turnNut(contact, nut, parameters_); }));
+    const HeldRun run =
+        best(options_.repeats, [&] { return turnNut(contact, nut, parameters_, helpers_); });
+    const tandem::Percentiles times = note("M16 nut, seven turns", run);
     const bool met = report_.bound("nut p50, us", times.p50, kMostNutP50);
     return report_.bound("nut p99, us", times.p99, kMostNutP99) && met;
   }
@@ -250,6 +257,7 @@ class Bench {
 
   const Options& options_;
   haptics::TickParameters parameters_;
+  haptics::TickHelpers helpers_;
   bench::Report report_;
   std::FILE* record_ = nullptr;
 };
@@ -263,6 +271,9 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
   line.option("--repeats", options.repeats, "runs, of which the fastest counts a tick")
       .showDefault()
       .integerFrom(1, 1000);
+  line.option("--helpers", options.helpers, "threads that help in heavy ticks, each on a core of its own")
+      .showDefault()
+      .integerFrom(0, haptics::TickHelpers::kMost);
   line.option("--queries", options.queries, "rows measured or made active a tick, at most")
       .showDefault()
       .integerFrom(1, 100'000);

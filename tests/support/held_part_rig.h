@@ -85,6 +85,11 @@ class HeldPartRig {
     state_.refine(next);
   }
 
+  /// TickState::share().
+  void share(haptics::TickHelpers* helpers) { state_.share(helpers); }
+  /// Whether the last tick was shared.
+  bool sharesTicks() { return state_.data().partContact->isShared(); }
+
   const std::vector<RigTick>& ticks() const { return ticks_; }
   const RigTick& last() const { return ticks_.back(); }
   const PartCase& given() const { return case_; }

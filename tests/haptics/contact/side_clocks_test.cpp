@@ -73,7 +73,7 @@ class Led {
       const glm::vec4& sample = from.samples.points()[i];
       return reading.distance - reading.error - sample.w + allowed.least(glm::vec3(sample), p, 0.0f);
     };
-    haptics::DueSamples(from.samples, to.field, motion, allowed, kReach, due, visit).read();
+    haptics::DueSamples(from.samples, to.field, motion, allowed, kReach, due, visit).read(0);
     for (std::size_t i = 0; i < seen.size(); ++i) {
       const glm::vec4& sample = from.samples.points()[i];
       const glm::vec3 p = motion(glm::vec3(sample));
