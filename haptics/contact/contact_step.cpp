@@ -93,6 +93,7 @@ void ContactStep::share(TickHelpers* helpers) {
 
 TickHelpers::Awake ContactStep::beginTick(const ContactWork& last) {
   sharing_ = shared_ != nullptr && last.planes + last.balls >= kWorthSharing;
+  refiner_.share(sharing_ ? &shared_->helpers() : nullptr);
   return TickHelpers::Awake(sharing_ ? &shared_->helpers() : nullptr);
 }
 

@@ -21,7 +21,6 @@ constexpr float kSameSeat = 0.25f;       // extents that a sample goes while its
 constexpr double kNearSeat = 0.125;      // extents that a sample goes until its last seat is looked for anew
 constexpr double kTurnedNear = 1.0;      // tolerances by which that extent may turn meanwhile
 constexpr double kLong = 10.0;           // tolerances that a sample goes in a long step
-constexpr std::size_t kMaxNormals = 16;  // of one sample
 constexpr double kToleranceAcross =
     8.0;  // tolerances that a sample may be across a sheet and still on its old side
 constexpr double kTolerancesOut =
@@ -68,6 +67,52 @@ void SampleRefiner::beginAhead(double dt, double reach, const ContactEffort& eff
   exact_ = effort.exact;
   descend_ = effort.descend;
   queries_ = descents_ = besideQueries_ = 0;
+  prepared_.clear();
+}
+
+void SampleRefiner::setNormals(const SideQuery& query, const ContactSample& sample, Normals& normals) {
+  for (const glm::dvec3& normal : query.from->samples.normals(sample)) {
+    if (!normals.full()) normals.push_back(query.toFromSamples.orientation * normal);
+  }
+}
+
+void SampleRefiner::prepare(std::span<const RowSource> sources, PairMotions u) {
+  prepared_.clear();
+  for (const RowSource& source : sources) {
+    Prepared& prepared = prepared_.push_back({});
+    prepared.source = source;
+    prepared.u = u[source.pair];
+  }
+  constexpr int kAtOnce = 4;  // samples, so that a task is worth it
+  const int count = static_cast<int>(prepared_.size());
+  helpers_->run((count + kAtOnce - 1) / kAtOnce, [&](int task, int) {
+    for (int k = kAtOnce * task; k < std::min(count, kAtOnce * (task + 1)); ++k)
+      prepareOne(prepared_[static_cast<std::size_t>(k)]);
+  });
+}
+
+void SampleRefiner::prepareOne(Prepared& prepared) const {
+  const RowSource& source = prepared.source;
+  const SideQuery query(island_, overlaps_, source.pair, source.side, reach_);
+  const ContactSample& sample = query.from->samples.samples()[source.sample];
+  if (query.to->byFormula() || query.from->samples.isRound(sample)) return;
+  Normals normals;
+  setNormals(query, sample, normals);
+  SampleQuery sampleQuery = sampleQueryFor(query, sample, prepared.u);
+  sampleQuery.normals = {normals.data(), normals.size()};
+  const SampleAnswer* const last = memory_.find(query.sampled, source.sample, query.target);
+  prepared.hint = last != nullptr ? last->triangle : kNoTriangle;
+  prepared.touches = touchAt(query, sampleQuery, prepared.hint, prepared.found);
+  prepared.known = true;
+}
+
+const SampleRefiner::Prepared* SampleRefiner::preparedFor(RowSource source, const Displacement& u) const {
+  for (const Prepared& prepared : prepared_) {
+    if (prepared.source == source && prepared.known && prepared.u.linear == u.linear &&
+        prepared.u.angular == u.angular)
+      return &prepared;
+  }
+  return nullptr;
 }
 
 void SampleRefiner::refine(RowSource source, const Displacement& u, ContactRows& rows) {
@@ -76,14 +121,13 @@ void SampleRefiner::refine(RowSource source, const Displacement& u, ContactRows&
   const SideQuery query(island_, overlaps_, source.pair, source.side, reach_);
   if (!TICK_ASSERT(fault_, source.sample < query.from->samples.samples().size())) return;
   const ContactSample& sample = query.from->samples.samples()[source.sample];
-  FixedVector<glm::dvec3, kMaxNormals> normals;
-  for (const glm::dvec3& normal : query.from->samples.normals(sample)) {
-    if (!normals.full()) normals.push_back(query.toFromSamples.orientation * normal);
-  }
+  Normals normals;
+  setNormals(query, sample, normals);
   SampleQuery sampleQuery = sampleQueryFor(query, sample, u);
   sampleQuery.normals = {normals.data(), normals.size()};
   const SampleAnswer* const last = memory_.find(query.sampled, source.sample, query.target);
   TouchingFeature found;
+  present_ = preparedFor(source, u);
   if (!touch(query, sample, sampleQuery, last, found)) return;
   if (!query.to->byFormula() && !query.to->field.solid())
     orientToSample(found, last, query.to->field.tolerance());
@@ -202,7 +246,13 @@ bool SampleRefiner::touchMesh(const SideQuery& query, const ContactSample& sampl
                               const SampleQuery& sampleQuery, const SampleAnswer* last,
                               TouchingFeature& found) {
   std::uint32_t hint = last != nullptr ? last->triangle : kNoTriangle;
-  if (!touchAt(query, sampleQuery, hint, found)) return false;
+  if (present_ != nullptr) {
+    if (!present_->touches) return false;
+    hint = present_->hint;
+    found = present_->found;
+  } else if (!touchAt(query, sampleQuery, hint, found)) {
+    return false;
+  }
   // The depth that an overlap at rest allows was measured at the samples alone.
   if (!descend_ || sample.edge == assets::kNone || sampleQuery.shifted || query.allowed(sample) > 0.0)
     return true;

@@ -9,6 +9,8 @@
 
 #include "haptics/base/contact_effort.h"
 #include "haptics/base/fault.h"
+#include "haptics/base/fixed_vector.h"
+#include "haptics/base/tick_helpers.h"
 #include "haptics/contact/contact_island.h"
 #include "haptics/contact/overlaps.h"
 #include "haptics/contact/side_query.h"
@@ -31,6 +33,11 @@ class SampleRefiner final : public RowRefiner {
   /// Begins to ask ahead for samples of the next step, which has this reach: what is known does not age.
   void beginAhead(double dt, double reach, const ContactEffort& effort);
 
+  /// Queries what prepare() is told with these helpers from now on; null: nothing is.
+  void share(TickHelpers* helpers) { helpers_ = helpers; }
+
+  bool prepares() const override { return helpers_ != nullptr && exact_; }
+  void prepare(std::span<const RowSource> sources, PairMotions u) override;
   void refine(RowSource source, const Displacement& u, ContactRows& rows) override;
   /// Whether the field leaves open that the sample is deep, or its smooth surface may be deeper near by. What
   /// is known of it by its last answer or descent decides where that still holds.
@@ -46,6 +53,21 @@ class SampleRefiner final : public RowRefiner {
   /// first part.
   SampleQuery sampleQueryFor(const SideQuery& query, const ContactSample& sample,
                              const Displacement& u) const;
+  /// The normals of a sample, frame of the target.
+  static constexpr std::size_t kMaxNormals = 16;
+  using Normals = FixedVector<glm::dvec3, kMaxNormals>;
+  static void setNormals(const SideQuery& query, const ContactSample& sample, Normals& normals);
+  /// A touch that has been found ahead.
+  struct Prepared {
+    RowSource source;
+    Displacement u;
+    TouchingFeature found;
+    std::uint32_t hint = kNoTriangle;
+    bool known = false, touches = false;
+  };
+  void prepareOne(Prepared& prepared) const;
+  /// What has been prepared of a sample at this displacement; null: nothing.
+  const Prepared* preparedFor(RowSource source, const Displacement& u) const;
   /// m, frame of the target: how far a place (m, the same) is expected to go.
   glm::dvec3 motionAt(const SideQuery& query, const glm::dvec3& point, const Displacement& u) const;
   /// Sets what the field knows of the place of a query.
@@ -90,6 +112,9 @@ class SampleRefiner final : public RowRefiner {
   double reach_ = 0.0;  // m
   bool exact_ = true, descend_ = true;
   SeatMemory seats_;
+  TickHelpers* helpers_ = nullptr;  // null: nothing is prepared
+  FixedVector<Prepared, kMostAhead> prepared_;
+  const Prepared* present_ = nullptr;  // of the present query
   int queries_ = 0, descents_ = 0, besideQueries_ = 0;  // of the present step
 };
 

@@ -110,12 +110,24 @@ bool ContactSolver::refine(RowSource source, PairMotions u, ContactRows& rows, R
   return rows.worstExact(u, tolerance_, first) >= 0;
 }
 
+int ContactSolver::prepareBalls(int ball, const ContactRows& rows, RowRefiner& refiner) const {
+  const PairMotions u = space_.pairMotions();
+  FixedVector<RowSource, RowRefiner::kMostAhead> sources;
+  const auto left = static_cast<std::size_t>(maxIterations_ - iterations_);
+  for (; ball >= 0 && !sources.full() && sources.size() < left; ball = rows.nextBall(u, ball + 1))
+    sources.push_back(rows.ballSource(ball));
+  refiner.prepare({sources.data(), sources.size()}, u);
+  return static_cast<int>(sources.size());
+}
+
 bool ContactSolver::refineViolated(ContactRows& rows, RowRefiner& refiner) {
   const PairMotions u = space_.pairMotions();
   // u changes only when an exact row is violated, so candidates are refined until one is.
   const int alreadyExact = rows.exactRows();
+  int prepared = 0;
   for (int ball = rows.nextBall(u, 0); ball >= 0 && iterations_ < maxIterations_;
-       ball = rows.nextBall(u, ball)) {
+       ball = rows.nextBall(u, ball), --prepared) {
+    if (prepared <= 0 && refiner.prepares()) prepared = prepareBalls(ball, rows, refiner);
     rows.dropBall(ball);
     if (refine(rows.ballSource(ball), u, rows, refiner)) break;
   }
