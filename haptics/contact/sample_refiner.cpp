@@ -127,8 +127,7 @@ void SampleRefiner::refine(RowSource source, const Displacement& u, ContactRows&
   sampleQuery.normals = {normals.data(), normals.size()};
   const SampleAnswer* const last = memory_.find(query.sampled, source.sample, query.target);
   TouchingFeature found;
-  present_ = preparedFor(source, u);
-  if (!touch(query, sample, sampleQuery, last, found)) return;
+  if (!touch(query, sample, sampleQuery, last, preparedFor(source, u), found)) return;
   if (!query.to->byFormula() && !query.to->field.solid())
     orientToSample(found, last, query.to->field.tolerance());
   remember(query, source.sample, sampleQuery, found);
@@ -223,12 +222,13 @@ void SampleRefiner::readField(const SideQuery& query, SampleQuery& sampleQuery) 
 }
 
 bool SampleRefiner::touch(const SideQuery& query, const ContactSample& sample, const SampleQuery& sampleQuery,
-                          const SampleAnswer* last, TouchingFeature& found) {
+                          const SampleAnswer* last, const Prepared* prepared, TouchingFeature& found) {
   const PartModel& to = *query.to;
   const std::uint32_t hint = last != nullptr ? last->triangle : kNoTriangle;
   if (to.byFormula()) return touchShapes(query, sample, sampleQuery, found);
   if (query.from->samples.isRound(sample)) return touchPatch(query, sample, sampleQuery, hint, exact_, found);
-  return exact_ ? touchMesh(query, sample, sampleQuery, last, found) : fieldFeature(to, sampleQuery, found);
+  if (!exact_) return fieldFeature(to, sampleQuery, found);
+  return touchMesh(query, sample, sampleQuery, last, prepared, found);
 }
 
 bool SampleRefiner::touchAt(const SideQuery& query, const SampleQuery& at, std::uint32_t& hint,
@@ -244,12 +244,12 @@ bool SampleRefiner::touchAt(const SideQuery& query, const SampleQuery& at, std::
 
 bool SampleRefiner::touchMesh(const SideQuery& query, const ContactSample& sample,
                               const SampleQuery& sampleQuery, const SampleAnswer* last,
-                              TouchingFeature& found) {
+                              const Prepared* prepared, TouchingFeature& found) {
   std::uint32_t hint = last != nullptr ? last->triangle : kNoTriangle;
-  if (present_ != nullptr) {
-    if (!present_->touches) return false;
-    hint = present_->hint;
-    found = present_->found;
+  if (prepared != nullptr) {
+    if (!prepared->touches) return false;
+    hint = prepared->hint;
+    found = prepared->found;
   } else if (!touchAt(query, sampleQuery, hint, found)) {
     return false;
   }

@@ -72,12 +72,12 @@ class SampleRefiner final : public RowRefiner {
   glm::dvec3 motionAt(const SideQuery& query, const glm::dvec3& point, const Displacement& u) const;
   /// Sets what the field knows of the place of a query.
   void readField(const SideQuery& query, SampleQuery& sampleQuery) const;
-  /// False if nothing constrains the sample.
+  /// False if nothing constrains the sample. `prepared`: what is known of it ahead, or null.
   bool touch(const SideQuery& query, const ContactSample& sample, const SampleQuery& sampleQuery,
-             const SampleAnswer* last, TouchingFeature& found);
+             const SampleAnswer* last, const Prepared* prepared, TouchingFeature& found);
   /// The same on a mesh, at the deepest place near the sample.
   bool touchMesh(const SideQuery& query, const ContactSample& sample, const SampleQuery& sampleQuery,
-                 const SampleAnswer* last, TouchingFeature& found);
+                 const SampleAnswer* last, const Prepared* prepared, TouchingFeature& found);
   /// The same at one place, of which `hint` is a triangle near by; it becomes the one that was found.
   static bool touchAt(const SideQuery& query, const SampleQuery& at, std::uint32_t& hint,
                       TouchingFeature& found);
@@ -114,7 +114,6 @@ class SampleRefiner final : public RowRefiner {
   SeatMemory seats_;
   TickHelpers* helpers_ = nullptr;  // null: nothing is prepared
   FixedVector<Prepared, kMostAhead> prepared_;
-  const Prepared* present_ = nullptr;  // of the present query
   int queries_ = 0, descents_ = 0, besideQueries_ = 0;  // of the present step
 };
 
