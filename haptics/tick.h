@@ -59,8 +59,8 @@ class TickState {
   /// At no cost, so it may be called before every tick.
   void refine(const ContactScene& next);
 
-  /// Shares the work of ticks in which parts touch in many places with these helpers, or with none: null. The
-  /// results stay the same, bit by bit. They must outlive this. Allocates.
+  /// Lets these threads run parts of the ticks in which parts touch in many places; null: the calling thread
+  /// does all. The results are the same bit by bit. The threads must outlive this. Allocates.
   void share(TickHelpers* helpers);
 
   /// What follows is about coordination links to other sites' replicas of parts that are owned here

@@ -50,7 +50,8 @@ class HandLoop {
   /// before the first tick.
   void addSecondHand();
 
-  /// TickState::share(). Allocates; before the first tick.
+  /// Lets these threads run parts of heavy ticks (TickState::share()). To be called before the first tick;
+  /// allocates.
   void share(haptics::TickHelpers* helpers) { state_.share(helpers); }
 
   /// One tick at local time `now`. The wrench is what the device gets. `second`: the reading of the second

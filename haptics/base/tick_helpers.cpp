@@ -7,7 +7,7 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr std::uint64_t kTask = 0xffff;  // bits of the next task; those of their count lie above
+constexpr std::uint64_t kTask = 0xffff;  // the bits of the index of the next task
 constexpr int kCountAt = 16, kNumberAt = 32;
 
 void pause() {

@@ -1,13 +1,14 @@
 #pragma once
 
-// Threads that share the work of one tick, each on a core that would be idle.
+// A pool of threads that run parts of one tick in parallel, each on a core that would be idle.
 //
-// 1. While an Awake lives they watch for tasks, without sleeping, so that they begin within a microsecond;
-//    otherwise they sleep. run() waits for no helper that has not begun a task, so that one that is late, or
-//    has no core, costs nothing.
-// 2. A task runs with the floating-point mode of the thread that shares it, and a failed ASSERT in it is
-//    thrown by run(), as it would have been without helpers.
-// 3. Free of allocation and locks after construction; to wake them is a system call where one sleeps.
+// 1. While an object of the class Awake exists the threads busy-wait for tasks, so that they begin one
+//    within a microsecond; otherwise they sleep. They and the calling thread take tasks until none is left.
+//    run() waits for tasks that have begun: a thread that wakes late costs nothing, and one that loses its
+//    core in the middle of a task delays run().
+// 2. A task runs with the floating-point environment of the calling thread. A failed ASSERT in it is thrown
+//    by run() in the calling thread.
+// 3. Nothing allocates or locks after construction. Waking a thread that sleeps is a system call (futex).
 
 #include <array>
 #include <atomic>
@@ -34,7 +35,7 @@ class TickHelpers {
 
   // By one thread at a time.
 
-  /// Keeps helpers awake, each of which takes a core meanwhile; null: none.
+  /// Wakes the threads of a pool and keeps them busy-waiting until it is destroyed; null: does nothing.
   class Awake {
    public:
     explicit Awake(TickHelpers* helpers) : helpers_(helpers) {
@@ -73,8 +74,9 @@ class TickHelpers {
   std::array<std::thread, kMost> threads_;
   int count_ = 0;
   std::atomic<int> awake_{kAsleep};
-  // What is shared: its number, the count of its tasks and the next one to take. Who has taken a task may
-  // read what follows, because nothing else is shared before all tasks have ended.
+  // Of the present call of run(): its number, the count of its tasks and the index of the next one to take,
+  // from the highest bits to the lowest. A thread that has taken a task may read the members below, because
+  // run() does not return, and so is not called again, before all its tasks have ended.
   std::atomic<std::uint64_t> next_{0};
   std::atomic<int> ended_{0};
   Call call_ = nullptr;

@@ -53,6 +53,8 @@ struct ContactPair {
 
   bool isJoint() const { return joint >= 0; }
   bool mayTouch() const { return joint == kTouch; }
+  /// m by which the two parts may approach each other in a step that takes no body further than `reach` m.
+  double closing(double reach) const { return second >= 0 ? 2.0 * reach : reach; }
 };
 
 class ContactIsland {

@@ -77,7 +77,7 @@ void ContactStep::gather(double reach, double dt, bool isFirst) {
 void ContactStep::gatherPair(int pair, const SharedGather::Step& step) {
   for (const std::uint16_t side : {std::uint16_t{0}, std::uint16_t{1}}) {
     const SideQuery query(island_, overlaps_, static_cast<std::uint16_t>(pair), side,
-                          closingReach(island_.pair(pair), step.reach));
+                          island_.pair(pair).closing(step.reach));
     const SideTimes times(query, clocks_);
     for (std::size_t part = 0; part < times.parts(); ++part)
       overlaps_.noteDepth(pair, CandidateRows(query, times, step.memory, rows_, step.wide).gather(part));

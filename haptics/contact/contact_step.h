@@ -50,8 +50,8 @@ class ContactStep {
   ContactStep(const ContactWorld& world, ContactIsland& island, Overlaps& overlaps, PartJoints& joints,
               ContactHistory& history, FaultLatch& fault);
 
-  /// Shares the work of heavy ticks with these helpers from now on, or with none: null. They must outlive
-  /// this. Allocates.
+  /// Lets these threads run parts of heavy ticks from now on; null: the calling thread does all. They must
+  /// outlive this. Allocates.
   void share(TickHelpers* helpers);
   /// Begins a tick, after one in which `last` was done. The helpers are awake while the result lives.
   [[nodiscard]] TickHelpers::Awake beginTick(const ContactWork& last);

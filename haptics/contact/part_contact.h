@@ -66,9 +66,9 @@ class PartContact {
   void take(double dt, const ContactEffort& effort);
   /// Work that the last take() has done for parts that could stand still, in units (counted_work.h).
   int takingWork() const { return takingWork_; }
-  /// ContactStep::share(). Allocates.
+  /// Lets these threads run parts of heavy ticks (ContactStep::share()). Allocates.
   void share(TickHelpers* helpers) { step_.share(helpers); }
-  /// Whether the last tick was heavy enough for them.
+  /// Whether they ran parts of the last tick, because the tick before it had many rows.
   bool isShared() const { return step_.isShared(); }
   /// The world's models have been exchanged.
   void modelsChanged();

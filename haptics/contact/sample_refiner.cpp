@@ -70,12 +70,6 @@ void SampleRefiner::beginAhead(double dt, double reach, const ContactEffort& eff
   prepared_.clear();
 }
 
-void SampleRefiner::setNormals(const SideQuery& query, const ContactSample& sample, Normals& normals) {
-  for (const glm::dvec3& normal : query.from->samples.normals(sample)) {
-    if (!normals.full()) normals.push_back(query.toFromSamples.orientation * normal);
-  }
-}
-
 void SampleRefiner::prepare(std::span<const RowSource> sources, PairMotions u) {
   prepared_.clear();
   for (const RowSource& source : sources) {
@@ -97,9 +91,7 @@ void SampleRefiner::prepareOne(Prepared& prepared) const {
   const ContactSample& sample = query.from->samples.samples()[source.sample];
   if (query.to->byFormula() || query.from->samples.isRound(sample)) return;
   Normals normals;
-  setNormals(query, sample, normals);
-  SampleQuery sampleQuery = sampleQueryFor(query, sample, prepared.u);
-  sampleQuery.normals = {normals.data(), normals.size()};
+  const SampleQuery sampleQuery = sampleQueryFor(query, sample, prepared.u, normals);
   const SampleAnswer* const last = memory_.find(query.sampled, source.sample, query.target);
   prepared.hint = last != nullptr ? last->triangle : kNoTriangle;
   prepared.touches = touchAt(query, sampleQuery, prepared.hint, prepared.found);
@@ -122,9 +114,7 @@ void SampleRefiner::refine(RowSource source, const Displacement& u, ContactRows&
   if (!TICK_ASSERT(fault_, source.sample < query.from->samples.samples().size())) return;
   const ContactSample& sample = query.from->samples.samples()[source.sample];
   Normals normals;
-  setNormals(query, sample, normals);
-  SampleQuery sampleQuery = sampleQueryFor(query, sample, u);
-  sampleQuery.normals = {normals.data(), normals.size()};
+  const SampleQuery sampleQuery = sampleQueryFor(query, sample, u, normals);
   const SampleAnswer* const last = memory_.find(query.sampled, source.sample, query.target);
   TouchingFeature found;
   if (!touch(query, sample, sampleQuery, last, preparedFor(source, u), found)) return;
@@ -191,16 +181,20 @@ bool SampleRefiner::entersAt(const SideQuery& query, const KnownSeat& known, con
 }
 
 SampleQuery SampleRefiner::sampleQueryFor(const SideQuery& query, const ContactSample& sample,
-                                          const Displacement& u) const {
+                                          const Displacement& u, Normals& normals) const {
   const PartModel &from = *query.from, &to = *query.to;
+  for (const glm::dvec3& normal : from.samples.normals(sample)) {
+    if (!normals.full()) normals.push_back(query.toFromSamples.orientation * normal);
+  }
   SampleQuery sampleQuery;
+  sampleQuery.normals = {normals.data(), normals.size()};
   const glm::dvec3 shift = query.fitShift(sample);
   sampleQuery.shifted = shift != glm::dvec3(0.0);
   sampleQuery.point = transformPoint(query.toFromSamples, sample.point) + shift;
   sampleQuery.motion = motionAt(query, sampleQuery.point, u);
   sampleQuery.slack = 0.5 * to.field.tolerance();
-  sampleQuery.range = SideQuery::kTrustedShare * from.samples.spacing() +
-                      (query.contactPair().second >= 0 ? 2.0 : 1.0) * reach_;
+  sampleQuery.range =
+      SideQuery::kTrustedShare * from.samples.spacing() + query.contactPair().closing(reach_);
   if (to.byFormula() || from.samples.isRound(sample)) return sampleQuery;
   readField(query, sampleQuery);
   if (ContactPatch edge; from.patchOf(sample, edge)) {

@@ -33,7 +33,7 @@ class SampleRefiner final : public RowRefiner {
   /// Begins to ask ahead for samples of the next step, which has this reach: what is known does not age.
   void beginAhead(double dt, double reach, const ContactEffort& effort);
 
-  /// Queries what prepare() is told with these helpers from now on; null: nothing is.
+  /// The threads that prepare() runs its queries on from now on; null: nothing is prepared.
   void share(TickHelpers* helpers) { helpers_ = helpers; }
 
   bool prepares() const override { return helpers_ != nullptr && exact_; }
@@ -49,15 +49,13 @@ class SampleRefiner final : public RowRefiner {
   int queries() const { return queries_; }
 
  private:
-  /// The sample as the target sees it, without its normals. `u` is the displacement expected of the pair's
-  /// first part.
-  SampleQuery sampleQueryFor(const SideQuery& query, const ContactSample& sample,
-                             const Displacement& u) const;
-  /// The normals of a sample, frame of the target.
-  static constexpr std::size_t kMaxNormals = 16;
+  static constexpr std::size_t kMaxNormals = 16;  // of one sample
   using Normals = FixedVector<glm::dvec3, kMaxNormals>;
-  static void setNormals(const SideQuery& query, const ContactSample& sample, Normals& normals);
-  /// A touch that has been found ahead.
+  /// The sample as the target sees it. `u` is the displacement expected of the pair's first part. Fills
+  /// `normals`, empty before, which must outlive the result.
+  SampleQuery sampleQueryFor(const SideQuery& query, const ContactSample& sample, const Displacement& u,
+                             Normals& normals) const;
+  /// The answer of a query that prepare() has run before the solver asked for it.
   struct Prepared {
     RowSource source;
     Displacement u;
@@ -66,13 +64,13 @@ class SampleRefiner final : public RowRefiner {
     bool known = false, touches = false;
   };
   void prepareOne(Prepared& prepared) const;
-  /// What has been prepared of a sample at this displacement; null: nothing.
+  /// The prepared answer for a sample at exactly this displacement; null if there is none.
   const Prepared* preparedFor(RowSource source, const Displacement& u) const;
   /// m, frame of the target: how far a place (m, the same) is expected to go.
   glm::dvec3 motionAt(const SideQuery& query, const glm::dvec3& point, const Displacement& u) const;
   /// Sets what the field knows of the place of a query.
   void readField(const SideQuery& query, SampleQuery& sampleQuery) const;
-  /// False if nothing constrains the sample. `prepared`: what is known of it ahead, or null.
+  /// False if nothing constrains the sample. `prepared`: its prepared answer, or null.
   bool touch(const SideQuery& query, const ContactSample& sample, const SampleQuery& sampleQuery,
              const SampleAnswer* last, const Prepared* prepared, TouchingFeature& found);
   /// The same on a mesh, at the deepest place near the sample.

@@ -19,7 +19,7 @@ void SharedGather::findSides(const Step& step) {
     if (!pair.mayTouch()) continue;
     for (const std::uint16_t side : {std::uint16_t{0}, std::uint16_t{1}}) {
       const SideQuery query(step.island, step.overlaps, static_cast<std::uint16_t>(i), side,
-                            closingReach(pair, step.reach));
+                            pair.closing(step.reach));
       if (step.clocks.forgetsFor(query.sampled, query.target, query)) gatherSides(step);
       sides_.push_back({query, SideTimes(query, step.clocks)});
       for (std::size_t part = 0; part < sides_.back().times.parts(); ++part) {

@@ -1,8 +1,8 @@
 #pragma once
 
-// Gathers the candidate rows of all pairs of an island with the help of idle cores: a part of one side of a
-// pair is one task. The rows are those that one thread would have gathered, in the same order, so that the
-// solution is the same bit by bit; where more are found than fit, others may be dropped.
+// Gathers the candidate rows of all pairs of an island in parallel, on idle cores: a subtree of the samples
+// of one side of a pair is one task. The rows are those that one thread would have gathered, in the same
+// order, so that the solution is the same bit by bit; where more are found than fit, others may be dropped.
 //
 // 1. Called by the thread that ticks. 2. Only the constructor allocates.
 
@@ -72,10 +72,5 @@ class SharedGather {
   std::vector<Task> tasks_;
   std::size_t closed_ = 0, gathered_ = 0, appended_ = 0;  // of the sides; of the tasks
 };
-
-/// The reach (m) of a step before the other part of a pair, which may move too.
-inline double closingReach(const ContactPair& pair, double reach) {
-  return pair.second >= 0 ? 2.0 * reach : reach;
-}
 
 }  // namespace tandem::haptics

@@ -68,7 +68,8 @@ class ContactSolver {
   void obeyRows(ContactRows& rows, RowRefiner& refiner);
   /// Makes the row of a sample exact; whether u violates what it has become.
   bool refine(RowSource source, PairMotions u, ContactRows& rows, RowRefiner& refiner);
-  /// Tells the refiner which balls u violates, from one on. Returns their count.
+  /// Names to the refiner the balls that the present displacements violate, from the index `ball` on and at
+  /// most RowRefiner::kMostAhead. Returns how many.
   int prepareBalls(int ball, const ContactRows& rows, RowRefiner& refiner) const;
   /// Makes candidates exact until an exact row is violated; false if no candidate is violated.
   bool refineViolated(ContactRows& rows, RowRefiner& refiner);

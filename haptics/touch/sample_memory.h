@@ -72,8 +72,8 @@ class SampleMemory {
  private:
   static constexpr std::uint32_t kFreshSteps = 8;
 
-  // One list a part: kTargets for each of its samples. Most samples have no answer, which the targets alone
-  // say, in far less memory.
+  // For each part, kTargets entries a sample. Most samples have no answer: the targets, in a table of their
+  // own, tell so without a load of the far larger answers.
   std::vector<std::vector<PartId>> targets_;
   std::vector<std::vector<SampleAnswer>> answers_;
   std::uint32_t step_ = 0;

@@ -85,7 +85,7 @@ class HeldPartRig {
     state_.refine(next);
   }
 
-  /// TickState::share().
+  /// Lets these threads run parts of heavy ticks (TickState::share()).
   void share(haptics::TickHelpers* helpers) { state_.share(helpers); }
   /// Whether the last tick was shared.
   bool sharesTicks() { return state_.data().partContact->isShared(); }

@@ -1,4 +1,4 @@
-#include "haptics/scene/moved_parts.h"
+#include "haptics/moved_parts.h"
 
 #include <algorithm>
 #include <cmath>
