@@ -4,7 +4,7 @@
 
 namespace tandem {
 
-void returnFreedArrays() { ::mallopt(M_MMAP_THRESHOLD, 1 << 20); }
+void returnFreedArrays() { ::mallopt(M_MMAP_THRESHOLD, 1 << 18); }
 
 void returnFreedPieces() { ::malloc_trim(0); }
 

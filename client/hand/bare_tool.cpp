@@ -32,7 +32,7 @@ Wrench BareTool::tick(const haptics::DeviceSample& reading, std::span<const hapt
   haptics::TickParameters ofTool = parameters;
   ofTool.gain = 1.0;
   ofTool.zeroForce = ofTool.passivity = false;
-  out_ = haptics::tick(input, scene_, ofTool, state_);
+  out_ = haptics::tick(input, *scene_, ofTool, state_);
   touched_ = holds ? kNoPart : out_.touched;
   return out_.hands[0].toHand;
 }

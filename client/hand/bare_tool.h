@@ -16,7 +16,13 @@ namespace tandem::client {
 class BareTool {
  public:
   /// The scene must outlive this.
-  explicit BareTool(const haptics::ContactScene& scene) : scene_(scene), state_(scene) {}
+  explicit BareTool(const haptics::ContactScene& scene) : scene_(&scene), state_(scene) {}
+
+  /// As HandLoop::refine().
+  void refine(const haptics::ContactScene& next) {
+    scene_ = &next;
+    state_.refine(next);
+  }
 
   /// What of the scene the tool feels, as TickInput has it.
   struct Felt {
@@ -49,7 +55,7 @@ class BareTool {
   // Longer without a reading than this, a tick puts the proxy back onto the device.
   static constexpr int kAwayTicks = 300;
 
-  const haptics::ContactScene& scene_;
+  const haptics::ContactScene* scene_;
   haptics::TickState state_;
   haptics::FixedVector<haptics::PartMotion, kMaxMoved> moved_;                      // of this tick
   haptics::FixedVector<haptics::PartCommand, haptics::kMaxPartCommands> commands_;  // of this tick

@@ -64,6 +64,7 @@ class HandLoop {
   void refine(const haptics::ContactScene& next) {
     scene_ = &next;
     state_.refine(next);
+    if (bareTool_) bareTool_->refine(next);
   }
 
   /// What the last tick() took, as a share of its period: ticks that run short give held parts less effort.

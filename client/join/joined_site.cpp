@@ -116,8 +116,9 @@ Status JoinedSite::modelParts(const Progress& progress) {
     done = share;
     return !stop;
   };
+  felt_.emplace(*contact_);
   // In a thread of its own: a large mesh takes seconds, and the server drops a site that sends nothing.
-  std::future<bool> made = std::async(std::launch::async, [&] { return contact_->modelParts(models); });
+  std::future<bool> made = std::async(std::launch::async, [&] { return felt_->modelParts(models); });
   bool ended = false;
   Micros nextShare = 0;
   while (made.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
@@ -144,16 +145,18 @@ double JoinedSite::toolRadius() const {
 void JoinedSite::start(std::unique_ptr<haptics::Device> device, std::function<void(HandLoop&)> prepare,
                        std::unique_ptr<haptics::Device> second) {
   ASSERT(device != nullptr && contact_ != nullptr && exchange_ != nullptr && servo_ == nullptr);
-  hand_ = std::make_unique<HandLoop>(*contact_, *exchange_);
+  haptics::ModelOptions fine;
+  fine.cacheDirectory = options_.cacheDirectory;
+  refiner_ = std::make_unique<haptics::ModelRefiner>(
+      felt_ ? *std::move(felt_) : *contact_, fine,
+      [this] { return glm::dvec3(tip_[0].load(), tip_[1].load(), tip_[2].load()); });
+  felt_.reset();
+  hand_ = std::make_unique<HandLoop>(refiner_->newest(), *exchange_);
   // One core is the loop's, and one is left to the window and the network.
   if (const int idle = static_cast<int>(std::thread::hardware_concurrency()) - 2; idle > 0) {
     helpers_ = std::make_unique<haptics::TickHelpers>(idle, [] { haptics::ServoLoop::becomeRealtime(); });
     hand_->share(helpers_.get());
   }
-  haptics::ModelOptions fine;
-  fine.cacheDirectory = options_.cacheDirectory;
-  refiner_ = std::make_unique<haptics::ModelRefiner>(
-      *contact_, fine, [this] { return glm::dvec3(tip_[0].load(), tip_[1].load(), tip_[2].load()); });
   device_ = std::move(device);
   secondDevice_ = std::move(second);
   settings_.parameters[0].toolRadius = toolRadius();

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -98,6 +99,7 @@ class JoinedSite {
   std::unique_ptr<sync::RecordingWriter> recording_;
   assets::Scene scene_;
   std::unique_ptr<haptics::ContactScene> contact_;
+  std::optional<haptics::ContactScene> felt_;  // with models, from modelParts() to start()
   std::unique_ptr<Exchange> exchange_;
   std::unique_ptr<haptics::ModelRefiner> refiner_;          // null: no part can be held
   std::unique_ptr<haptics::TickHelpers> helpers_;           // null: no core is idle

@@ -93,18 +93,27 @@ double FieldPath::nearest(const glm::dvec3& x) const {
   double reach = 1e300;
   for (const Piece& piece : pieces_) reach = std::min(reach, glm::distance(piece.centre, x) + piece.radius);
   double best = 0.0, least = 1e300;
+  const auto consider = [&](double at) {
+    const glm::dvec3 away = point(at) - x;
+    const double square = glm::dot(away, away);
+    if (!(square < least)) return;
+    least = square;
+    best = at;
+  };
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
     if (glm::distance(pieces_[i].centre, x) - pieces_[i].radius > reach) continue;
-    for (int k = 0; k <= kSamples; ++k) {
-      const double at = static_cast<double>(i) + static_cast<double>(k) / kSamples;
-      const glm::dvec3 away = point(at) - x;
-      const double square = glm::dot(away, away);
-      if (!(square < least)) continue;
-      least = square;
-      best = at;
+    double from = static_cast<double>(i), slopeFrom = slope(x, from);
+    consider(from);
+    for (int k = 1; k <= kSamples; ++k) {
+      const double to = static_cast<double>(i) + static_cast<double>(k) / kSamples, slopeTo = slope(x, to);
+      // Each minimum counts, because samples of one may all be farther than those of another that is less deep.
+      if (slopeFrom < 0.0 && slopeTo > 0.0) consider(rootBetween(x, from, to));
+      consider(to);
+      from = to;
+      slopeFrom = slopeTo;
     }
   }
-  return follow(x, best);
+  return wrapped(best);
 }
 
 /// Zero of the slope between two parameters with opposite signs: the Illinois variant of the false position

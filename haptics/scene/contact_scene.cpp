@@ -222,7 +222,7 @@ void ContactScene::refitMesh(std::uint32_t mesh, int threads) {
 ContactScene ContactScene::withMesh(std::uint32_t mesh, std::shared_ptr<const assets::Mesh> replacement,
                                     int threads) const {
   ASSERT(mesh < data_->scene->meshes.size() && data_->trees[mesh] != nullptr);
-  ContactScene next(*data_);
+  ContactScene next(*this);
   if (!next.data_->models.empty()) next.data_->models[mesh] = nullptr;
   next.data_->deformed[mesh] = false;
   next.data_->trees[mesh] = std::make_shared<TriangleBvh>(*replacement, threads);
@@ -234,14 +234,14 @@ ContactScene ContactScene::withMesh(std::uint32_t mesh, std::shared_ptr<const as
 ContactScene ContactScene::withModel(std::size_t tree, std::shared_ptr<const PartModel> model) const {
   ASSERT(model != nullptr && tree < data_->models.size() && data_->models[tree] != nullptr);
   ASSERT(model->features == data_->models[tree]->features);
-  ContactScene next(*data_);
+  ContactScene next(*this);
   for (Collider& collider : next.data_->colliders)
     if (collider.model == data_->models[tree].get()) collider.model = model.get();
   next.data_->models[tree] = std::move(model);
   return next;
 }
 
-ContactScene::ContactScene(const Data& data) : data_(std::make_unique<Data>(data)) {}
+ContactScene::ContactScene(const ContactScene& other) : data_(std::make_unique<Data>(*other.data_)) {}
 ContactScene::~ContactScene() = default;
 ContactScene::ContactScene(ContactScene&&) noexcept = default;
 ContactScene& ContactScene::operator=(ContactScene&&) noexcept = default;

@@ -39,6 +39,8 @@ class ContactScene {
   /// outlive this object. `leastToolShare` is for tests.
   explicit ContactScene(const assets::Scene& scene, int threads = 0, double leastToolShare = kLeastToolShare);
   ~ContactScene();
+  /// The same scene: trees and models are shared.
+  ContactScene(const ContactScene& other);
   ContactScene(ContactScene&&) noexcept;
   ContactScene& operator=(ContactScene&&) noexcept;
 
@@ -79,8 +81,6 @@ class ContactScene {
   const Data& data() const { return *data_; }
 
  private:
-  explicit ContactScene(const Data& data);
-
   std::unique_ptr<Data> data_;
 };
 

@@ -10,7 +10,7 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr std::array<char, 8> kFieldMark = {'T', 'D', 'F', 'i', 'e', 'l', 'd', '2'};
+constexpr std::array<char, 8> kFieldMark = {'T', 'D', 'F', 'i', 'e', 'l', 'd', '3'};
 // Half a unit in the last place of a point and of the result, and the rounding already in the caller's point.
 constexpr float kReadRounding = 0x1p-22f;
 /// Larger grids along an axis would be useless and exceed float indices.
@@ -109,7 +109,8 @@ std::vector<std::byte> DistanceField::pack() const {
   put(bytes, lengths.data(), lengths.size());
   const std::uint32_t flags = (solid_ ? 1u : 0u) | (coarsened_ ? 2u : 0u);
   put(bytes, &flags, 1);
-  const std::array<std::uint64_t, 3> counts = {blocks_.size() / kBlock, cells_.size(), lists_.size()};
+  const std::array<std::uint64_t, 4> counts = {blocks_.size() / kBlock, cells_.size(), listAt_.size(),
+                                               lists_.size()};
   put(bytes, counts.data(), counts.size());
   put(bytes, top_.data(), top_.size());
   put(bytes, blocks_.data(), blocks_.size());
@@ -126,7 +127,7 @@ Result<DistanceField> DistanceField::unpack(std::span<const std::byte> bytes, st
   std::array<char, 8> mark{};
   std::array<double, 4> lengths{};
   std::uint32_t flags = 0;
-  std::array<std::uint64_t, 3> counts{};
+  std::array<std::uint64_t, 4> counts{};
   if (!in.read(mark.data(), mark.size()) || mark != kFieldMark) return refused("not one of this version");
   if (!in.read(&field.low_, 1) || !in.read(&field.perCell_, 1) || !in.read(field.count_, 3) ||
       !in.read(&field.boxLow_, 1) || !in.read(&field.boxHigh_, 1) || !in.read(&field.origin_, 1) ||
@@ -149,8 +150,8 @@ Result<DistanceField> DistanceField::unpack(std::span<const std::byte> bytes, st
   if (flags > 3 || std::any_of(counts.begin(), counts.end(), [&](auto n) { return n > bytes.size(); }))
     return refused("a count is out of range");
   if (!in.readAll(field.top_, cubes) || !in.readAll(field.blocks_, counts[0] * kBlock) ||
-      !in.readAll(field.cells_, counts[1]) || !in.readAll(field.listAt_, counts[1]) ||
-      !in.readAll(field.lists_, counts[2]) || !in.atEnd())
+      !in.readAll(field.cells_, counts[1]) || !in.readAll(field.listAt_, counts[2]) ||
+      !in.readAll(field.lists_, counts[3]) || !in.atEnd())
     return refused("the bytes do not hold what they announce");
   field.solid_ = (flags & 1) != 0;
   field.coarsened_ = (flags & 2) != 0;
@@ -197,6 +198,7 @@ bool DistanceField::listsAreSound(std::size_t triangles) const {
     for (std::size_t k = 1; k <= lists_[at]; ++k)
       if (lists_[at + k] >= triangles) return false;
   }
+  if (listAt_.size() > cells_.size()) return false;
   return std::all_of(listAt_.begin(), listAt_.end(),
                      [&](std::uint32_t at) { return at < begins.size() && begins[at]; });
 }

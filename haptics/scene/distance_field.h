@@ -155,6 +155,7 @@ class DistanceField {
     return {glm::dot(cell.gradient, p) + cell.offset, cell.error, cell.gradient};
   }
   Triangles listOf(std::uint32_t cell) const {
+    if (cell >= listAt_.size()) return {};
     const std::uint32_t* const list = &lists_[listAt_[cell]];
     return {list + 1, *list};
   }
@@ -172,8 +173,8 @@ class DistanceField {
   std::vector<std::uint32_t> top_;
   std::vector<std::uint32_t> blocks_;  // kBlock entries each
   std::vector<Cell> cells_;
-  // lists_ holds lists of triangles, each as their count and then their indices. listAt_ holds, for each
-  // cell, where its list begins: cells share lists, and the first one is empty.
+  // lists_ holds lists of triangles, each as their count and then their indices. listAt_ holds where the list
+  // of a cell begins, for the first cells: the others have none. Cells share lists.
   std::vector<std::uint32_t> listAt_, lists_;
   glm::vec3 boxLow_{0.0f, 0.0f, 0.0f}, boxHigh_{0.0f, 0.0f, 0.0f};  // m, of the mesh, relative to the origin
   glm::dvec3 origin_{0.0, 0.0, 0.0};                                // m, part frame

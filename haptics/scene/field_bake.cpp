@@ -56,6 +56,8 @@ constexpr double kSecondTry = 4.0;
 
 /// Triangles are listed where contact asks for them: at an error of more tolerances than this.
 constexpr double kListedError = 2.0;
+/// Marks the entry of a cell with a list, which has an index of its own until the pieces are joined.
+constexpr std::uint32_t kListed = 0x40000000u;
 /// Of more triangles than this too many would be left.
 constexpr std::size_t kWorthListing = 128;
 
@@ -113,13 +115,13 @@ class FieldBake {
   struct Piece {
     std::uint32_t root = 0;
     std::vector<std::uint32_t> blocks;
-    std::vector<DistanceField::Cell> cells;
-    std::vector<std::uint32_t> listAt, lists{0};  // as in a DistanceField
+    std::vector<DistanceField::Cell> cells, listed;  // those without a list and, marked by kListed, with one
+    std::vector<std::uint32_t> listAt, lists;        // as in a DistanceField
     double worstSmooth = 0.0;
 
     std::size_t memory() const {
       return (blocks.size() + listAt.size() + lists.size()) * sizeof(std::uint32_t) +
-             cells.size() * sizeof(DistanceField::Cell) + sizeof(std::uint32_t);
+             (cells.size() + listed.size()) * sizeof(DistanceField::Cell) + sizeof(std::uint32_t);
     }
   };
   /// A cube of the recursion.
@@ -291,6 +293,7 @@ bool FieldBake::bakePieces(std::vector<Piece>& pieces) {
       worker.known.clear();
       bakePiece(index, worker, piece);
       piece.cells.shrink_to_fit();
+      piece.listed.shrink_to_fit();
       piece.blocks.shrink_to_fit();
       piece.listAt.shrink_to_fit();
       piece.lists.shrink_to_fit();
@@ -469,7 +472,6 @@ bool FieldBake::isSmooth(const FieldCube& cube, std::span<const std::uint32_t> n
 std::uint32_t FieldBake::placeOfList(Worker& worker, Piece& piece) {
   const std::vector<std::uint32_t>& list = worker.listed;
   std::vector<std::uint32_t>& lists = piece.lists;
-  if (list.empty()) return 0;
   std::uint64_t hash = list.size();  // FNV-1a
   for (const std::uint32_t triangle : list) hash = (hash ^ triangle) * 0x100000001b3u;
   const auto at = static_cast<std::uint32_t>(lists.size());
@@ -528,9 +530,12 @@ void FieldBake::listNearest(const FieldCube& cube, std::span<const std::uint32_t
 void FieldBake::store(const Job& job, const CubeModel& model, Worker& worker, Piece& piece) const {
   const glm::vec3 gradient(model.gradient);
   const double offset = model.value - glm::dot(glm::dvec3(gradient), job.cube.centre - field_.origin_);
-  const std::uint32_t entry = DistanceField::kLeaf | static_cast<std::uint32_t>(piece.cells.size());
-  piece.cells.push_back({gradient, static_cast<float>(offset), roundUp(model.error + rounding_)});
-  piece.listAt.push_back(placeOfList(worker, piece));
+  const bool isListed = !worker.listed.empty();
+  if (isListed) piece.listAt.push_back(placeOfList(worker, piece));
+  std::vector<DistanceField::Cell>& cells = isListed ? piece.listed : piece.cells;
+  const std::uint32_t entry =
+      DistanceField::kLeaf | (isListed ? kListed : 0u) | static_cast<std::uint32_t>(cells.size());
+  cells.push_back({gradient, static_cast<float>(offset), roundUp(model.error + rounding_)});
   const auto newBlock = [&piece] {
     piece.blocks.resize(piece.blocks.size() + DistanceField::kBlock);
     return static_cast<std::uint32_t>(piece.blocks.size() / DistanceField::kBlock - 1);
@@ -563,26 +568,32 @@ void FieldBake::store(const Job& job, const CubeModel& model, Worker& worker, Pi
 }
 
 void FieldBake::join(std::vector<Piece>& pieces) {
-  std::size_t blocks = 0, cells = 0, lists = 0;
+  std::size_t blocks = 0, cells = 0, listed = 0, lists = 0;
   for (const Piece& piece : pieces) {
     blocks += piece.blocks.size();
     cells += piece.cells.size();
+    listed += piece.listed.size();
     lists += piece.lists.size();
   }
   field_.blocks_.reserve(blocks);
-  field_.cells_.reserve(cells);
-  field_.listAt_.reserve(cells);
+  field_.cells_.resize(listed + cells);
+  field_.listAt_.reserve(listed);
   field_.lists_.reserve(lists);
+  std::size_t firstCell = listed;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     Piece& piece = pieces[i];
     const auto firstBlock = static_cast<std::uint32_t>(field_.blocks_.size() / DistanceField::kBlock);
-    const auto firstCell = static_cast<std::uint32_t>(field_.cells_.size());
+    const std::size_t firstListed = field_.listAt_.size();
     const auto moved = [&](std::uint32_t entry) {
-      return entry + ((entry & DistanceField::kLeaf) != 0 ? firstCell : firstBlock);
+      if ((entry & DistanceField::kLeaf) == 0) return entry + firstBlock;
+      const bool isListed = (entry & kListed) != 0;
+      return (entry & ~kListed) + static_cast<std::uint32_t>(isListed ? firstListed : firstCell);
     };
     field_.top_[i] = moved(piece.root);
     for (const std::uint32_t entry : piece.blocks) field_.blocks_.push_back(moved(entry));
-    field_.cells_.insert(field_.cells_.end(), piece.cells.begin(), piece.cells.end());
+    std::copy(piece.listed.begin(), piece.listed.end(), field_.cells_.data() + firstListed);
+    std::copy(piece.cells.begin(), piece.cells.end(), field_.cells_.data() + firstCell);
+    firstCell += piece.cells.size();
     const auto firstList = static_cast<std::uint32_t>(field_.lists_.size());
     for (const std::uint32_t at : piece.listAt) field_.listAt_.push_back(at + firstList);
     field_.lists_.insert(field_.lists_.end(), piece.lists.begin(), piece.lists.end());

@@ -20,11 +20,14 @@ double weightOf(const TriangleBvh& tree) { return 5e3 + static_cast<double>(tree
 
 }  // namespace
 
-ModelRefiner::ModelRefiner(const ContactScene& coarse, const ModelOptions& options,
+ModelRefiner::ModelRefiner(ContactScene coarse, const ModelOptions& options,
                            std::function<glm::dvec3()> hand)
-    : coarse_(coarse), options_(options), hand_(std::move(hand)), newest_(&coarse), inUse_(&coarse) {
+    : options_(options), hand_(std::move(hand)) {
   options_.coarse = false;
-  const bool any = std::any_of(coarse.data().models.begin(), coarse.data().models.end(),
+  scenes_.push_back(std::move(coarse));
+  newest_ = inUse_ = &scenes_.back();
+  const std::vector<std::shared_ptr<const PartModel>>& models = scenes_.back().data().models;
+  const bool any = std::any_of(models.begin(), models.end(),
                                [](const auto& model) { return model != nullptr && model->coarse; });
   if (any)
     worker_ = std::thread([this] { run(); });
@@ -39,12 +42,12 @@ ModelRefiner::~ModelRefiner() {
 
 void ModelRefiner::run() {
   lowerThreadPriority();
-  const ContactScene::Data& data = coarse_.data();
+  const ContactScene::Data& first = scenes_.back().data();
   const std::vector<double> tolerances =
-      data.treeTolerances(partTolerances(*data.scene, data.colliders, data.smallestHeld(), options_.threads));
+      first.treeTolerances(partTolerances(*first.scene, first.colliders, first.smallestHeld(), options_.threads));
   findCoarse();
   double refined = 0.0;
-  const BakePlan plan{data.smallestHeld(), fieldsOf(data.trees, data.shapes), options_.fieldScale,
+  const BakePlan plan{first.smallestHeld(), fieldsOf(first.trees, first.shapes), options_.fieldScale,
                       options_.sampleScale, false};
   BakeHow how;
   how.cacheDirectory = options_.cacheDirectory;
@@ -53,19 +56,20 @@ void ModelRefiner::run() {
   how.stop = &stop_;
   while (left_ > 0 && !stop_) {
     const std::size_t tree = nearest();
+    const ContactScene::Data& data = scenes_.back().data();
+    refined += weightOf(*data.trees[tree]);
     std::shared_ptr<const PartModel> model =
         bakeModel(*data.trees[tree], tolerances[tree], plan, how, data.models[tree]->features);
     if (model == nullptr) return;
-    publish(newest_.load()->withModel(tree, std::move(model)));
+    publish(scenes_.back().withModel(tree, std::move(model)));
     isCoarse_[tree] = false;
     --left_;
-    refined += weightOf(*data.trees[tree]);
     done_ = left_ == 0 ? 1.0 : refined / weight_;
   }
 }
 
 void ModelRefiner::findCoarse() {
-  const ContactScene::Data& data = coarse_.data();
+  const ContactScene::Data& data = scenes_.back().data();
   std::map<const TriangleBvh*, std::size_t> indexOf;
   for (std::size_t i = 0; i < data.models.size(); ++i) {
     isCoarse_.push_back(data.models[i] != nullptr && data.models[i]->coarse);
@@ -81,7 +85,7 @@ void ModelRefiner::findCoarse() {
 }
 
 std::size_t ModelRefiner::nearest() const {
-  const ContactScene::Data& data = coarse_.data();
+  const ContactScene::Data& data = scenes_.back().data();
   const glm::dvec3 at = hand_();
   std::size_t best = assets::kNone;
   double least = std::numeric_limits<double>::infinity();
@@ -103,8 +107,7 @@ void ModelRefiner::publish(ContactScene scene) {
   newest_.store(&scenes_.back(), std::memory_order_release);
   // The ticking thread uses one scene, and may take any later one.
   const ContactScene* used = inUse_.load(std::memory_order_acquire);
-  while (&scenes_.front() != &scenes_.back() && used != &coarse_ && used != &scenes_.front())
-    scenes_.pop_front();
+  while (used != &scenes_.front()) scenes_.pop_front();
 }
 
 }  // namespace tandem::haptics

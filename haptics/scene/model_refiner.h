@@ -17,9 +17,9 @@ namespace tandem::haptics {
 
 class ModelRefiner {
  public:
-  /// Begins at once. `coarse`: a scene whose models are coarse, unchanged and alive while this lives; without
-  /// models there is nothing to do. `hand`: where the hand is, m, world, in any thread.
-  ModelRefiner(const ContactScene& coarse, const ModelOptions& options, std::function<glm::dvec3()> hand);
+  /// Begins at once. `coarse`: a scene whose models are coarse; without models there is nothing to do. A model
+  /// that is refined lives no longer than what shares it. `hand`: where the hand is, m, world, in any thread.
+  ModelRefiner(ContactScene coarse, const ModelOptions& options, std::function<glm::dvec3()> hand);
   /// Stops within the time of a few cells. The ticking thread must have ended, or gone on to another scene.
   ~ModelRefiner();
   ModelRefiner(const ModelRefiner&) = delete;
@@ -44,7 +44,6 @@ class ModelRefiner {
   std::size_t nearest() const;
   void publish(ContactScene scene);
 
-  const ContactScene& coarse_;
   ModelOptions options_;
   std::function<glm::dvec3()> hand_;
   // Of the worker.
@@ -52,7 +51,7 @@ class ModelRefiner {
   std::vector<bool> isCoarse_;       // of each tree
   std::size_t left_ = 0;             // coarse trees
   double weight_ = 0.0;              // of all that were coarse
-  std::deque<ContactScene> scenes_;  // refined, oldest first
+  std::deque<ContactScene> scenes_;  // oldest first
   std::atomic<const ContactScene*> newest_, inUse_;
   std::atomic<double> done_{0.0};
   std::atomic<bool> stop_{false};

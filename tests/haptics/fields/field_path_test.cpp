@@ -54,10 +54,11 @@ TEST(FieldPath, TheNearestPlaceIsAsNearAsAFineSearchFinds) {
   std::uniform_real_distribution<double> place(-1.5, 1.5);
   for (const bool closed : {false, true}) {
     const FieldPath path(figureEight(1.0), true, closed);
-    for (int n = 0; n < 60; ++n) {
-      const glm::dvec3 x(place(random), place(random), 0.3 * place(random));
+    for (int n = 0; n < 600; ++n) {
+      const double px = place(random), py = place(random), pz = 0.3 * place(random);
+      const glm::dvec3 x(px, py, pz);
       double least = 1e9;
-      for (double at = 0.0; at <= path.pieces(); at += 1e-3)
+      for (double at = 0.0; at <= path.pieces(); at += 4e-3)
         least = std::min(least, glm::distance(path.point(at), x));
       EXPECT_LE(glm::distance(path.point(path.nearest(x)), x), least + 1e-9);
     }

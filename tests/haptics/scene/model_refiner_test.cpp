@@ -238,6 +238,25 @@ TEST(ModelRefiner, EndsWithTheModelsOfABakeAtOnce) {
   }
 }
 
+TEST(ModelRefiner, KeepsNoCoarseModelThatTheHandHasLeft) {
+  const assets::Scene scene = rowOfBoxes(4);
+  ContactScene coarse(scene, 1);
+  ASSERT_TRUE(coarse.modelParts(coarseModels()));
+  std::vector<std::weak_ptr<const haptics::PartModel>> models(coarse.data().models.begin(),
+                                                              coarse.data().models.end());
+  // Each time that it asks for the hand, the ticks have taken all that is refined.
+  std::atomic<haptics::ModelRefiner*> itself{nullptr};
+  haptics::ModelRefiner refiner(std::move(coarse), fineModels(), [&] {
+    while (itself.load() == nullptr) std::this_thread::yield();
+    itself.load()->newest();
+    return glm::dvec3(0.0);
+  });
+  itself = &refiner;
+  ASSERT_TRUE(soon([&] { return refiner.done() >= 1.0; }));
+  // The last one is of the scene that the ticks used when it was refined.
+  EXPECT_EQ(std::count_if(models.begin(), models.end(), [](const auto& model) { return model.expired(); }), 3);
+}
+
 TEST(ModelRefiner, TakesTheNearestToTheHandFirst) {
   const assets::Scene scene = rowOfBoxes(4);
   ContactScene coarse(scene, 1);
@@ -283,7 +302,7 @@ TEST(ModelRefiner, HasNothingToDoWhereNothingIsCoarse) {
   ASSERT_TRUE(contact.modelParts(fineModels()));
   haptics::ModelRefiner refiner(contact, {}, [] { return glm::dvec3(0.0); });
   EXPECT_EQ(refiner.done(), 1.0);
-  EXPECT_EQ(&refiner.newest(), &contact);
+  EXPECT_EQ(refiner.newest().data().models, contact.data().models);
 }
 
 }  // namespace
