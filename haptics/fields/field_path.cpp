@@ -106,7 +106,7 @@ double FieldPath::nearest(const glm::dvec3& x) const {
     consider(from);
     for (int k = 1; k <= kSamples; ++k) {
       const double to = static_cast<double>(i) + static_cast<double>(k) / kSamples, slopeTo = slope(x, to);
-      // Each minimum counts, because samples of one may all be farther than those of another that is less deep.
+      // Each minimum counts: the samples of the least may all be further away than one of another.
       if (slopeFrom < 0.0 && slopeTo > 0.0) consider(rootBetween(x, from, to));
       consider(to);
       from = to;

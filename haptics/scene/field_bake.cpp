@@ -46,10 +46,8 @@ constexpr int kLevels = 7;  // sides of 64, 32 .. 1 smallest cells
 constexpr double kWidestSlit = 0x1p-14;
 /// Error of a cap of width 1: the cap does not exist, and the side may change behind it.
 constexpr double kErrorOfWidth = 4.0;
-
 /// A cube of two smallest cells is not divided where the surface is further away than this many of its radii.
 constexpr double kAlone = 3.0;
-
 /// A model this many times worse than allowed may still become good enough along the mean of the faces'
 /// normals.
 constexpr double kSecondTry = 4.0;
@@ -292,11 +290,8 @@ bool FieldBake::bakePieces(std::vector<Piece>& pieces) {
       Piece& piece = pieces[index];
       worker.known.clear();
       bakePiece(index, worker, piece);
-      piece.cells.shrink_to_fit();
-      piece.listed.shrink_to_fit();
-      piece.blocks.shrink_to_fit();
-      piece.listAt.shrink_to_fit();
-      piece.lists.shrink_to_fit();
+      for (auto* cells : {&piece.cells, &piece.listed}) cells->shrink_to_fit();
+      for (auto* numbers : {&piece.blocks, &piece.listAt, &piece.lists}) numbers->shrink_to_fit();
       memory.fetch_add(piece.memory());
       if (number == 0 && options_.progress)
         options_.progress(static_cast<double>(index) / static_cast<double>(pieces.size()));
@@ -568,18 +563,16 @@ void FieldBake::store(const Job& job, const CubeModel& model, Worker& worker, Pi
 }
 
 void FieldBake::join(std::vector<Piece>& pieces) {
-  std::size_t blocks = 0, cells = 0, listed = 0, lists = 0;
-  for (const Piece& piece : pieces) {
-    blocks += piece.blocks.size();
-    cells += piece.cells.size();
-    listed += piece.listed.size();
-    lists += piece.lists.size();
-  }
-  field_.blocks_.reserve(blocks);
-  field_.cells_.resize(listed + cells);
-  field_.listAt_.reserve(listed);
-  field_.lists_.reserve(lists);
-  std::size_t firstCell = listed;
+  const auto total = [&](auto Piece::* of) {
+    std::size_t size = 0;
+    for (const Piece& piece : pieces) size += (piece.*of).size();
+    return size;
+  };
+  std::size_t firstCell = total(&Piece::listed);
+  field_.blocks_.reserve(total(&Piece::blocks));
+  field_.cells_.resize(firstCell + total(&Piece::cells));
+  field_.listAt_.reserve(firstCell);
+  field_.lists_.reserve(total(&Piece::lists));
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     Piece& piece = pieces[i];
     const auto firstBlock = static_cast<std::uint32_t>(field_.blocks_.size() / DistanceField::kBlock);

@@ -44,7 +44,8 @@ void ModelRefiner::run() {
   lowerThreadPriority();
   const ContactScene::Data& first = scenes_.back().data();
   const std::vector<double> tolerances =
-      first.treeTolerances(partTolerances(*first.scene, first.colliders, first.smallestHeld(), options_.threads));
+      first.treeTolerances(partTolerances(*first.scene, first.colliders, first.smallestHeld(),
+                                          options_.threads));
   findCoarse();
   double refined = 0.0;
   const BakePlan plan{first.smallestHeld(), fieldsOf(first.trees, first.shapes), options_.fieldScale,

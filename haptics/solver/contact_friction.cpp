@@ -12,7 +12,8 @@ namespace tandem::haptics {
 namespace {
 
 constexpr int kMaxSweeps = 24;
-constexpr double kConverged = 1e-6;  // change of a force, in largest normal forces, that ends the sweeps
+// Changes that end the sweeps: of a force, in largest normal forces, and of a slip, m.
+constexpr double kConverged = 1e-6, kSlipConverged = 1e-9;
 
 /// m, world: how far the point of a row slips in this tick if nothing but what has been applied already acts.
 glm::dvec3 freeSlip(const StepSpace& space, const ExactRow& row, const RowRefiner& refiner) {
@@ -76,18 +77,18 @@ void ContactFriction::makeContacts(const StepSpace& space, const ActiveSet::Rows
       contact.slip[k] = glm::dot(contact.tangent[k], slip);
       contact.force[k] = glm::dot(contact.tangent[k], force);
     }
+    contact.mobility =
+        contact.direction[0].dot(contact.direction[0]) + contact.direction[1].dot(contact.direction[1]);
   }
 }
 
 void ContactFriction::iterate(double largest, BodyVectors& y) {
   for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
-    double change = 0.0;
+    double change = 0.0, slip = 0.0;
     for (FrictionContact& contact : contacts_) {
-      const double stiffness =
-          contact.direction[0].dot(contact.direction[0]) + contact.direction[1].dot(contact.direction[1]);
       double target[2];
       for (int k = 0; k < 2; ++k)
-        target[k] = contact.force[k] - (contact.slip[k] + contact.direction[k].dot(y)) / stiffness;
+        target[k] = contact.force[k] - (contact.slip[k] + contact.direction[k].dot(y)) / contact.mobility;
       // Projection onto the disc. What slides sticks again only within the smaller one, that of sliding.
       const double length = std::hypot(target[0], target[1]);
       contact.sticks =
@@ -98,14 +99,16 @@ void ContactFriction::iterate(double largest, BodyVectors& y) {
         contact.force[k] += step;
         contact.direction[k].addTo(y, step);
         change = std::max(change, std::abs(step));
+        slip = std::max(slip, std::abs(step) * contact.mobility);
       }
     }
-    if (change <= kConverged * largest) break;
+    if (change <= kConverged * largest && slip <= kSlipConverged) break;
   }
 }
 
-double ContactFriction::solve(const StepSpace& space, const ActiveSet::Rows& active, const ContactRows& rows,
-                              const RowRefiner& refiner, const BodyVectors& saturated, BodyVectors& part) {
+ContactFriction::Change ContactFriction::solve(const StepSpace& space, const ActiveSet::Rows& active,
+                                               const ContactRows& rows, const RowRefiner& refiner,
+                                               const BodyVectors& saturated, BodyVectors& part) {
   makeContacts(space, active, rows, refiner);
   BodyVectors y;
   for (std::size_t b = 0; b < space.bodyCount(); ++b) y[b] = saturated[b];
@@ -119,18 +122,20 @@ double ContactFriction::solve(const StepSpace& space, const ActiveSet::Rows& act
   }
   iterate(largest, y);
   space.setToZero(part);
-  double change = 0.0;
+  Change change;
   FixedVector<FrictionForce, ActiveSet::kMaxRows> now;
   for (const FrictionContact& contact : contacts_) {
     const RowSource& source = rows.exact(contact.row).source;
     const glm::dvec3 force = contact.force[0] * contact.tangent[0] + contact.force[1] * contact.tangent[1];
     const FrictionForce* const last = lastAt(source);
-    change = std::max(change, glm::length(force - (last != nullptr ? last->force : glm::dvec3(0.0))));
+    const double by = glm::length(force - (last != nullptr ? last->force : glm::dvec3(0.0)));
+    change.force = std::max(change.force, largest > 0.0 ? by / largest : 0.0);
+    change.slip = std::max(change.slip, by * contact.mobility);
     for (int k = 0; k < 2; ++k) contact.direction[k].addTo(part, contact.force[k]);
     now.push_back({source, force, contact.sticks});
   }
   forces_ = now;
-  return largest > 0.0 ? change / largest : 0.0;
+  return change;
 }
 
 }  // namespace tandem::haptics

@@ -32,13 +32,18 @@ class ContactFriction {
   void recall(std::span<const FrictionForce> known);
   std::span<const FrictionForce> forces() const { return {forces_.data(), forces_.size()}; }
 
+  /// How much the forces of a call differ from those of the last one.
+  struct Change {
+    double force = 0.0;  // the largest of a force, as a share of the largest normal force
+    double slip = 0.0;   // m, the largest that it makes at its point, which is large where parts are light
+  };
+
   /// Adds what the forces of the last call give with the rows of this step.
   void addTo(const StepSpace& space, const ContactRows& rows, BodyVectors& sum) const;
 
   /// Friction for the multipliers of the active rows. `saturated` is the share of y that comes from
-  /// springs at their greatest force; `part` becomes the share that comes from friction. Returns the largest
-  /// change of a friction force, as a share of the largest normal force.
-  double solve(const StepSpace& space, const ActiveSet::Rows& active, const ContactRows& rows,
+  /// springs at their greatest force; `part` becomes the share that comes from friction.
+  Change solve(const StepSpace& space, const ActiveSet::Rows& active, const ContactRows& rows,
                const RowRefiner& refiner, const BodyVectors& saturated, BodyVectors& part);
 
  private:
@@ -49,7 +54,8 @@ class ContactFriction {
     double slidingLimit;   // of a force that slides
     glm::dvec3 tangent[2];
     RowDirection direction[2];
-    double slip[2];  // m, of the free motion
+    double mobility;  // m that a unit of force moves the point, at most
+    double slip[2];   // m, of the free motion
     double force[2];
     bool sticks;
   };

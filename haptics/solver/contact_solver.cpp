@@ -9,7 +9,8 @@ namespace tandem::haptics {
 namespace {
 
 constexpr int kMaxSaturations = 3;
-constexpr double kAgreed = 1e-3;  // change of friction, in largest normal forces, that ends the rounds
+// Changes of friction that end the rounds: of a force, in largest normal forces, and of a slip, m.
+constexpr double kAgreed = 1e-3, kSlipAgreed = 5e-7;
 
 /// Squeezes the pairs of all conflicting rows that push out of a penetration: without that push all rows
 /// can be obeyed. False if no row pushes out.
@@ -186,8 +187,9 @@ void ContactSolver::solve(std::span<const StepGoal> goals, std::span<const RowPa
   solveWith();
   for (int pass = 0; pass < kMaxSaturations && saturate(rows, saturated); ++pass) solveWith();
   for (; rounds_ < kMaxRounds; ++rounds_) {
-    const double change = friction_.solve(space_, active_.rows(), rows, refiner, saturated, friction);
-    if (change < kAgreed) break;
+    const ContactFriction::Change change =
+        friction_.solve(space_, active_.rows(), rows, refiner, saturated, friction);
+    if (change.force < kAgreed && change.slip < kSlipAgreed) break;
     solveWith();
   }
 }

@@ -114,7 +114,7 @@ TEST(RandomPresses, OfManyNoneGoesDeeper) {
   double deepest = 0.0;
   for (unsigned seed = first; seed < first + count; ++seed)
     deepest = std::max(deepest, expectWithinBounds(seed));
-  std::printf("of %u presses none goes deeper than %.1f um\n", count, 1e6 * deepest);
+  std::printf("the deepest of %u presses: %.1f um\n", count, 1e6 * deepest);
 }
 
 }  // namespace

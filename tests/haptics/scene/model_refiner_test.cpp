@@ -254,7 +254,8 @@ TEST(ModelRefiner, KeepsNoCoarseModelThatTheHandHasLeft) {
   itself = &refiner;
   ASSERT_TRUE(soon([&] { return refiner.done() >= 1.0; }));
   // The last one is of the scene that the ticks used when it was refined.
-  EXPECT_EQ(std::count_if(models.begin(), models.end(), [](const auto& model) { return model.expired(); }), 3);
+  const auto ended = std::count_if(models.begin(), models.end(), [](const auto& m) { return m.expired(); });
+  EXPECT_EQ(ended, 3);
 }
 
 TEST(ModelRefiner, TakesTheNearestToTheHandFirst) {

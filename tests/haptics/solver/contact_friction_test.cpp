@@ -58,7 +58,7 @@ class OneContact {
   ContactRows rows;
   FlatGround ground;
   ContactFriction friction;
-  double change = 0.0;
+  ContactFriction::Change change;
 };
 
 TEST(ContactFriction, InsideTheDiscStopsTheSlip) {
@@ -102,7 +102,18 @@ TEST(ContactFriction, StartsFromTheForcesThatItIsGiven) {
   contact.friction.addTo(space, contact.rows, sum);
   EXPECT_DOUBLE_EQ(sum[0][0], -0.2);
   contact.solve({0.2, 0.0, 0.0});
-  EXPECT_LT(contact.change, 1e-5);
+  EXPECT_LT(contact.change.force, 1e-5);
+  EXPECT_LT(contact.change.slip, 1e-5);
+}
+
+TEST(ContactFriction, SaysHowFarAChangeMovesWhatIsLight) {
+  // A force that is the same small share of the normal one moves a light body far.
+  OneContact heavy(0.5, 0.5), light(0.5, 0.5);
+  for (std::size_t i = 0; i < 6; ++i) light.goal.root[i][i] = 0.01;
+  heavy.solve({1e-6, 0.0, 0.0});
+  light.solve({1e-2, 0.0, 0.0});
+  EXPECT_NEAR(heavy.change.force, light.change.force, 1e-7);
+  EXPECT_GT(light.change.slip, 1e3 * heavy.change.slip);
 }
 
 TEST(ContactFriction, WithoutCoefficientsThereIsNone) {
