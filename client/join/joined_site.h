@@ -101,7 +101,7 @@ class JoinedSite {
   std::unique_ptr<haptics::ContactScene> contact_;
   std::optional<haptics::ContactScene> felt_;  // with models, from modelParts() to start()
   std::unique_ptr<Exchange> exchange_;
-  std::unique_ptr<haptics::ModelRefiner> refiner_;          // null: no part can be held
+  std::unique_ptr<haptics::ModelRefiner> refiner_;          // null before start()
   std::unique_ptr<haptics::TickHelpers> helpers_;           // null: no core is idle
   std::unique_ptr<HandLoop> hand_;                          // servo thread, once started
   std::unique_ptr<haptics::Device> device_, secondDevice_;  // the second may be null

@@ -71,21 +71,20 @@ const FieldPath::Piece& FieldPath::pieceAt(double& at) const {
 }
 
 glm::dvec3 FieldPath::point(double at) const {
-  const Piece& p = pieceAt(at);
-  return p.c0 + at * (p.c1 + at * (p.c2 + at * p.c3));
+  const Piece& piece = pieceAt(at);
+  return piece.point(at);
 }
 
 glm::dvec3 FieldPath::tangent(double at) const {
-  const Piece& p = pieceAt(at);
-  const glm::dvec3 d = p.c1 + at * (2.0 * p.c2 + at * 3.0 * p.c3);
+  const Piece& piece = pieceAt(at);
+  const glm::dvec3 d = piece.rate(at);
   const double length = glm::length(d);
   return length > 0.0 ? d / length : glm::dvec3(0.0);
 }
 
 double FieldPath::slope(const glm::dvec3& x, double at) const {
-  const Piece& p = pieceAt(at);
-  const glm::dvec3 c = p.c0 + at * (p.c1 + at * (p.c2 + at * p.c3));
-  return glm::dot(c - x, p.c1 + at * (2.0 * p.c2 + at * 3.0 * p.c3));
+  const Piece& piece = pieceAt(at);
+  return glm::dot(piece.point(at) - x, piece.rate(at));
 }
 
 double FieldPath::nearest(const glm::dvec3& x) const {
@@ -93,24 +92,28 @@ double FieldPath::nearest(const glm::dvec3& x) const {
   double reach = 1e300;
   for (const Piece& piece : pieces_) reach = std::min(reach, glm::distance(piece.centre, x) + piece.radius);
   double best = 0.0, least = 1e300;
-  const auto consider = [&](double at) {
-    const glm::dvec3 away = point(at) - x;
+  const auto consider = [&](double at, const glm::dvec3& away) {
     const double square = glm::dot(away, away);
     if (!(square < least)) return;
     least = square;
     best = at;
   };
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
-    if (glm::distance(pieces_[i].centre, x) - pieces_[i].radius > reach) continue;
-    double from = static_cast<double>(i), slopeFrom = slope(x, from);
-    consider(from);
-    for (int k = 1; k <= kSamples; ++k) {
-      const double to = static_cast<double>(i) + static_cast<double>(k) / kSamples, slopeTo = slope(x, to);
-      // Each minimum counts: the samples of the least may all be further away than one of another.
-      if (slopeFrom < 0.0 && slopeTo > 0.0) consider(rootBetween(x, from, to));
-      consider(to);
-      from = to;
-      slopeFrom = slopeTo;
+    const Piece& piece = pieces_[i];
+    if (glm::distance(piece.centre, x) - piece.radius > reach) continue;
+    double slopeBefore = 0.0;
+    for (int k = 0; k <= kSamples; ++k) {
+      const double within = static_cast<double>(k) / kSamples, at = static_cast<double>(i) + within;
+      const glm::dvec3 away = piece.point(within) - x;
+      const double slopeHere = glm::dot(away, piece.rate(within));
+      consider(at, away);
+      // All local minima are compared: every sample around the nearest place may be further away from x than
+      // a sample near another minimum. The end of a piece may be a corner, beyond which the slope is another.
+      if (slopeBefore < 0.0 && slopeHere > 0.0) {
+        const double root = rootBetween(x, at - 1.0 / kSamples, std::nextafter(at, 0.0));
+        consider(root, point(root) - x);
+      }
+      slopeBefore = slopeHere;
     }
   }
   return wrapped(best);

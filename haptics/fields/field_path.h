@@ -38,6 +38,10 @@ class FieldPath {
     glm::dvec3 c0{0.0}, c1{0.0}, c2{0.0}, c3{0.0};
     glm::dvec3 centre{0.0};  // of a ball that contains the piece
     double radius = 0.0;
+
+    glm::dvec3 point(double u) const { return c0 + u * (c1 + u * (c2 + u * c3)); }
+    /// The derivative of point().
+    glm::dvec3 rate(double u) const { return c1 + u * (2.0 * c2 + u * 3.0 * c3); }
   };
   void addPiece(Piece piece);
   const Piece& pieceAt(double& at) const;

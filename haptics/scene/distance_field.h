@@ -173,8 +173,8 @@ class DistanceField {
   std::vector<std::uint32_t> top_;
   std::vector<std::uint32_t> blocks_;  // kBlock entries each
   std::vector<Cell> cells_;
-  // lists_ holds lists of triangles, each as their count and then their indices. listAt_ holds where the list
-  // of a cell begins, for the first cells: the others have none. Cells share lists.
+  // lists_ holds lists of triangles, each as its count and then its indices. Cells that have a list come
+  // first in cells_: listAt_ holds, for each of these, where in lists_ its list begins. Cells may share one.
   std::vector<std::uint32_t> listAt_, lists_;
   glm::vec3 boxLow_{0.0f, 0.0f, 0.0f}, boxHigh_{0.0f, 0.0f, 0.0f};  // m, of the mesh, relative to the origin
   glm::dvec3 origin_{0.0, 0.0, 0.0};                                // m, part frame

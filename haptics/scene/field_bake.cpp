@@ -54,7 +54,7 @@ constexpr double kSecondTry = 4.0;
 
 /// Triangles are listed where contact asks for them: at an error of more tolerances than this.
 constexpr double kListedError = 2.0;
-/// Marks the entry of a cell with a list, which has an index of its own until the pieces are joined.
+/// A bit of an entry, until the pieces are joined: the index is one of Piece::listed, not of Piece::cells.
 constexpr std::uint32_t kListed = 0x40000000u;
 /// Of more triangles than this too many would be left.
 constexpr std::size_t kWorthListing = 128;
@@ -113,7 +113,7 @@ class FieldBake {
   struct Piece {
     std::uint32_t root = 0;
     std::vector<std::uint32_t> blocks;
-    std::vector<DistanceField::Cell> cells, listed;  // those without a list and, marked by kListed, with one
+    std::vector<DistanceField::Cell> cells, listed;  // without and with a list of triangles
     std::vector<std::uint32_t> listAt, lists;        // as in a DistanceField
     double worstSmooth = 0.0;
 

@@ -17,9 +17,9 @@ namespace tandem::haptics {
 
 class ModelRefiner {
  public:
-  /// Begins at once. `coarse`: a scene whose models are coarse; without models there is nothing to do. One
-  /// that has been refined ends with the scenes that hold it. `hand`: where the hand is, m, world, in any
-  /// thread.
+  /// Begins at once. `coarse`: a scene whose models are coarse; without models there is nothing to do. Its
+  /// models are freed as the ticks go on to finer ones, unless another scene shares them. `hand`: where the
+  /// hand is, m, world, in any thread.
   ModelRefiner(ContactScene coarse, const ModelOptions& options, std::function<glm::dvec3()> hand);
   /// Stops within the time of a few cells. The ticking thread must have ended, or gone on to another scene.
   ~ModelRefiner();

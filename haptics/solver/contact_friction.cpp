@@ -12,7 +12,8 @@ namespace tandem::haptics {
 namespace {
 
 constexpr int kMaxSweeps = 24;
-// Changes that end the sweeps: of a force, in largest normal forces, and of a slip, m.
+// The sweeps end once no force changes by more than this share of the largest normal force, and no change of
+// a force moves its point by more than this many metres.
 constexpr double kConverged = 1e-6, kSlipConverged = 1e-9;
 
 /// m, world: how far the point of a row slips in this tick if nothing but what has been applied already acts.

@@ -32,17 +32,18 @@ class ContactFriction {
   void recall(std::span<const FrictionForce> known);
   std::span<const FrictionForce> forces() const { return {forces_.data(), forces_.size()}; }
 
-  /// How much the forces of a call differ from those of the last one.
+  /// How much the friction forces of a call differ from those of the call before.
   struct Change {
-    double force = 0.0;  // the largest of a force, as a share of the largest normal force
-    double slip = 0.0;   // m, the largest that it makes at its point, which is large where parts are light
+    double force = 0.0;  // the largest change of a force, as a share of the largest normal force
+    double slip = 0.0;   // m, at most how far such a change moves the point where it acts
   };
 
   /// Adds what the forces of the last call give with the rows of this step.
   void addTo(const StepSpace& space, const ContactRows& rows, BodyVectors& sum) const;
 
   /// Friction for the multipliers of the active rows. `saturated` is the share of y that comes from
-  /// springs at their greatest force; `part` becomes the share that comes from friction.
+  /// springs at their greatest force; `part` becomes the share that comes from friction. Returns
+  /// what has changed since the last call.
   Change solve(const StepSpace& space, const ActiveSet::Rows& active, const ContactRows& rows,
                const RowRefiner& refiner, const BodyVectors& saturated, BodyVectors& part);
 

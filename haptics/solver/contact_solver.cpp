@@ -9,7 +9,8 @@ namespace tandem::haptics {
 namespace {
 
 constexpr int kMaxSaturations = 3;
-// Changes of friction that end the rounds: of a force, in largest normal forces, and of a slip, m.
+// The rounds end once no friction force changes by this share of the largest normal force, and no change of
+// one moves its point by this many metres.
 constexpr double kAgreed = 1e-3, kSlipAgreed = 5e-7;
 
 /// Squeezes the pairs of all conflicting rows that push out of a penetration: without that push all rows

@@ -46,7 +46,7 @@ class TurningHand {
         worldFromAxis_(rig.scene().parts[turning.part].worldFromPart * turning.axis) {
     rig_.restart();
     rig_.each = [this] { note(); };
-    rig_.takeHold(turning.part, at(0.0, 0.0));  // or the part stays where it is for a little of the path
+    rig_.takeHold(turning.part, at(0.0, 0.0));  // a part that is being taken does not follow the hand
     rig_.tick(20);
   }
   TurningHand(const TurningHand&) = delete;

@@ -49,20 +49,46 @@ TEST(FieldPath, TheNearestPlaceOnALineIsItsFoot) {
   EXPECT_NEAR(path.length(), 6.0, 1e-12);
 }
 
+/// Expects that no place on the path is nearer to x than the nearest one.
+void expectNearest(const FieldPath& path, const glm::dvec3& x) {
+  double least = 1e9;
+  for (double at = 0.0; at <= path.pieces(); at += 1e-3)
+    least = std::min(least, glm::distance(path.point(at), x));
+  EXPECT_LE(glm::distance(path.point(path.nearest(x)), x), least + 1e-9);
+}
+
 TEST(FieldPath, TheNearestPlaceIsAsNearAsAFineSearchFinds) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> place(-1.5, 1.5);
-  for (const bool closed : {false, true}) {
-    const FieldPath path(figureEight(1.0), true, closed);
-    for (int n = 0; n < 600; ++n) {
-      const double px = place(random), py = place(random), pz = 0.3 * place(random);
-      const glm::dvec3 x(px, py, pz);
-      double least = 1e9;
-      for (double at = 0.0; at <= path.pieces(); at += 4e-3)
-        least = std::min(least, glm::distance(path.point(at), x));
-      EXPECT_LE(glm::distance(path.point(path.nearest(x)), x), least + 1e-9);
+  for (const bool smooth : {true, false}) {
+    for (const bool closed : {false, true}) {
+      const FieldPath path(figureEight(1.0), smooth, closed);
+      for (int n = 0; n < 200; ++n) {
+        const double px = place(random), py = place(random), pz = 0.3 * place(random);
+        expectNearest(path, {px, py, pz});
+      }
     }
   }
+}
+
+/// Places that two strands are almost equally near to: the nearest of evenly spaced samples is on the wrong
+/// one.
+TEST(FieldPath, TheNearestPlaceIsThatOfTheNearestStrand) {
+  const FieldPath open(figureEight(1.0), true, false), closed(figureEight(1.0), true, true);
+  expectNearest(open, {-0.008, -0.181, 0.339});
+  for (const glm::dvec3& x : {glm::dvec3(-0.024, 0.001, -0.340), glm::dvec3(-0.020, 0.003, 0.043),
+                              glm::dvec3(0.026, 0.002, -0.407)})
+    expectNearest(closed, x);
+}
+
+/// Places before a corner, where the slope of the distance is another one beyond it.
+TEST(FieldPath, TheNearestPlaceMayBeBesideACorner) {
+  const FieldPath open(figureEight(1.0), false, false), closed(figureEight(1.0), false, true);
+  for (const glm::dvec3& x : {glm::dvec3(0.934, 0.118, -0.066), glm::dvec3(-0.784, 0.466, -0.184),
+                              glm::dvec3(-0.609, 0.451, 0.140), glm::dvec3(-0.447, -0.260, 0.044)})
+    expectNearest(open, x);
+  for (const glm::dvec3& x : {glm::dvec3(0.937, -0.126, 0.018), glm::dvec3(-0.454, 0.259, -0.313)})
+    expectNearest(closed, x);
 }
 
 TEST(FieldPath, AClosedCurveOfSixteenPointsIsACircleWithinAThousandth) {

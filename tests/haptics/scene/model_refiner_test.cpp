@@ -244,7 +244,7 @@ TEST(ModelRefiner, KeepsNoCoarseModelThatTheHandHasLeft) {
   ASSERT_TRUE(coarse.modelParts(coarseModels()));
   std::vector<std::weak_ptr<const haptics::PartModel>> models(coarse.data().models.begin(),
                                                               coarse.data().models.end());
-  // Each time that it asks for the hand, the ticks have taken all that is refined.
+  // Whenever the refiner asks where the hand is, the ticks go on to its newest scene.
   std::atomic<haptics::ModelRefiner*> itself{nullptr};
   haptics::ModelRefiner refiner(std::move(coarse), fineModels(), [&] {
     while (itself.load() == nullptr) std::this_thread::yield();
@@ -253,7 +253,7 @@ TEST(ModelRefiner, KeepsNoCoarseModelThatTheHandHasLeft) {
   });
   itself = &refiner;
   ASSERT_TRUE(soon([&] { return refiner.done() >= 1.0; }));
-  // The last one is of the scene that the ticks used when it was refined.
+  // The ticks have not gone on to the last scene, so the last coarse model is still in use.
   const auto ended = std::count_if(models.begin(), models.end(), [](const auto& m) { return m.expired(); });
   EXPECT_EQ(ended, 3);
 }

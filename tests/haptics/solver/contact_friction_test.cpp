@@ -107,7 +107,7 @@ TEST(ContactFriction, StartsFromTheForcesThatItIsGiven) {
 }
 
 TEST(ContactFriction, SaysHowFarAChangeMovesWhatIsLight) {
-  // A force that is the same small share of the normal one moves a light body far.
+  // The same change of friction, as a share of the normal force, moves the lighter body further.
   OneContact heavy(0.5, 0.5), light(0.5, 0.5);
   for (std::size_t i = 0; i < 6; ++i) light.goal.root[i][i] = 0.01;
   heavy.solve({1e-6, 0.0, 0.0});
