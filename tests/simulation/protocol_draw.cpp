@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "assets/gltf/load_gltf.h"
+#include "tests/support/source_file.h"
 
 namespace tandem::test {
 namespace {
@@ -383,8 +384,7 @@ client::Scenario minimised(client::ProtocolSimulation& simulation, const client:
 
 const assets::Scene& protocolScene() {
   static const assets::Scene scene = [] {
-    const std::string path =
-        std::string(TANDEM_SOURCE_DIR) + "/tests/simulation/scenarios/shared_blocks.gltf";
+    const std::string path = sourceFile("tests/simulation/scenarios/shared_blocks.gltf");
     Result<assets::Scene> loaded = assets::loadGltf(path, {});
     EXPECT_TRUE(loaded.ok()) << (loaded.ok() ? "" : loaded.error().message);
     return std::move(*loaded);

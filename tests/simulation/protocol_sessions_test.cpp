@@ -12,6 +12,7 @@
 #include <set>
 
 #include "tests/simulation/protocol_draw.h"
+#include "tests/support/source_file.h"
 
 // The counters of branches of server and sync. Null unless tests/coverage.py has built them in.
 extern "C" {
@@ -116,7 +117,7 @@ TEST_P(ProtocolSessions, KeepEveryRuleAndServeEverybodyInTheEnd) {
 }
 
 TEST(ProtocolSessionsKept, SeedsThatOnceReachedSomethingNewKeepEveryRule) {
-  std::ifstream file(std::string(TANDEM_SOURCE_DIR) + "/tests/simulation/protocol_seeds.txt");
+  std::ifstream file(sourceFile("tests/simulation/protocol_seeds.txt"));
   client::ProtocolSimulation simulation(protocolScene());
   int seeds = 0;
   for (std::uint64_t seed = 0; file >> seed; ++seeds) {

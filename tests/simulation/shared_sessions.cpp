@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/full_size.h"
+#include "tests/support/source_file.h"
 
 namespace tandem::test {
 
@@ -32,7 +33,7 @@ std::shared_ptr<const SharedSession::Loaded> SharedSession::load(const std::stri
   static std::map<std::tuple<std::string, Contact, double>, std::shared_ptr<const Loaded>> made;
   std::shared_ptr<const Loaded>& entry = made[{name, contact, massFactor}];
   if (entry) return entry;
-  const std::string path = std::string(TANDEM_SOURCE_DIR) + "/tests/simulation/scenarios/" + name + ".json";
+  const std::string path = sourceFile("tests/simulation/scenarios/") + name + ".json";
   Result<client::Scenario> loaded = client::loadScenario(path);
   EXPECT_TRUE(loaded.ok()) << (loaded.ok() ? "" : loaded.error().message);
   Result<assets::Scene> scene = assets::loadGltf(loaded->scene, loaded->load);

@@ -10,11 +10,12 @@
 #include <set>
 
 #include "tests/simulation/shared_sessions.h"
+#include "tests/support/source_file.h"
 
 namespace tandem::client {
 namespace {
 
-const std::string kScenarios = std::string(TANDEM_SOURCE_DIR) + "/tests/simulation/scenarios/";
+const std::string kScenarios = sourceFile("tests/simulation/scenarios/");
 
 struct Loaded {
   Scenario scenario;

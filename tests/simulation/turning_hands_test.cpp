@@ -13,20 +13,21 @@
 
 #include "tests/simulation/shared_sessions.h"
 #include "tests/support/full_size.h"
+#include "tests/support/source_file.h"
 
 namespace tandem::test {
 namespace {
 
 std::string textOf(const std::string& path) {
-  std::ifstream file(std::string(TANDEM_SOURCE_DIR) + path);
+  std::ifstream file(sourceFile(path));
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
 TEST(TurningHands, OfTheDemoAreNotDoubted) {
   for (const double delay : {0.1, 1.0, 25.0}) {
     SharedSession session("demo", SharedSession::Contact::none);
-    session.scenario.sites[0].script = textOf("/client/demo_hands/ada.json");
-    session.scenario.sites[1].script = textOf("/client/demo_hands/ben.json");
+    session.scenario.sites[0].script = textOf("client/demo_hands/ada.json");
+    session.scenario.sites[1].script = textOf("client/demo_hands/ben.json");
     session.setDelay(delay);
     const client::SimulationResult result = session.run();
     EXPECT_TRUE(result.violations.empty()) << delay << " ms\n" << describe(result);

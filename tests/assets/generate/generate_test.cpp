@@ -13,6 +13,7 @@
 #include "assets/generate/triangulate.h"
 #include "assets/gltf/load_gltf.h"
 #include "assets/mesh/mesh_analysis.h"
+#include "tests/support/source_file.h"
 
 namespace tandem::generate {
 namespace {
@@ -166,7 +167,7 @@ TEST(SampleScenes, ThePumpGoesTogether) {
 TEST(SampleScenes, CommittedFilesAreWhatTheGeneratorMakes) {
   std::size_t total = 0;
   for (const SampleScene& scene : makeAllScenes()) {
-    std::ifstream file(TANDEM_SOURCE_DIR "/assets/scenes/" + scene.name + ".glb", std::ios::binary);
+    std::ifstream file(sourceFile("assets/scenes/") + scene.name + ".glb", std::ios::binary);
     ASSERT_TRUE(file) << scene.name;
     const std::string committed((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
     EXPECT_TRUE(committed == toGlb(scene)) << scene.name << ".glb differs: run tandem-scenes assets/scenes";
@@ -177,7 +178,7 @@ TEST(SampleScenes, CommittedFilesAreWhatTheGeneratorMakes) {
 
 TEST(SampleScenes, LoadAsTheyWereMadeWithNothingToRemark) {
   for (const SampleScene& made : makeAllScenes()) {
-    const auto loaded = assets::loadGltf(TANDEM_SOURCE_DIR "/assets/scenes/" + made.name + ".glb", {});
+    const auto loaded = assets::loadGltf(sourceFile("assets/scenes/") + made.name + ".glb", {});
     ASSERT_TRUE(loaded.ok()) << loaded.error().message;
     for (const assets::Finding& finding : loaded->findings)
       EXPECT_EQ(finding.severity, assets::Finding::Severity::note) << made.name << ": " << finding.message;
@@ -193,7 +194,7 @@ TEST(SampleScenes, LoadAsTheyWereMadeWithNothingToRemark) {
 }
 
 TEST(SampleScenes, TheSunAndItsPlanetsPullAndGoWithTheirParts) {
-  const auto scene = assets::loadGltf(TANDEM_SOURCE_DIR "/assets/scenes/solar_system.glb", {});
+  const auto scene = assets::loadGltf(sourceFile("assets/scenes/solar_system.glb"), {});
   ASSERT_TRUE(scene.ok()) << scene.error().message;
   ASSERT_EQ(scene->fields.size(), 6u);
   for (std::size_t i = 0; i < scene->fields.size(); ++i) {
@@ -208,7 +209,7 @@ TEST(SampleScenes, TheSunAndItsPlanetsPullAndGoWithTheirParts) {
 }
 
 TEST(SampleScenes, TheGuidedPathKeepsClearOfItsPlate) {
-  const auto scene = assets::loadGltf(TANDEM_SOURCE_DIR "/assets/scenes/guided_path.glb", {});
+  const auto scene = assets::loadGltf(sourceFile("assets/scenes/guided_path.glb"), {});
   ASSERT_TRUE(scene.ok()) << scene.error().message;
   ASSERT_EQ(scene->fields.size(), 1u);
   const assets::ForceField& guide = scene->fields[0];

@@ -11,6 +11,7 @@
 #include "assets/generate/grey_png.h"
 #include "assets/scene/scene_codec.h"
 #include "tests/assets/gltf/load_for_test.h"
+#include "tests/support/source_file.h"
 
 namespace tandem::assets {
 namespace {
@@ -237,7 +238,7 @@ TEST(GltfSurface, AMeshWithoutTextureCoordinatesIsSmoothAndSaysSo) {
 
 TEST(FuzzSeeds, OfFeaturesAreScenesThatLoadWithAllOfThem) {
   const auto seed = [](const std::string& name) {
-    std::ifstream file(TANDEM_SOURCE_DIR "/tests/fuzz/seeds/gltf/" + name, std::ios::binary);
+    std::ifstream file(sourceFile("tests/fuzz/seeds/gltf/") + name, std::ios::binary);
     const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
     const std::size_t end = text.find('\n');
     if (text.empty() || end == std::string::npos) return Scene{};

@@ -16,6 +16,7 @@
 #include "client/session/view_model.h"
 #include "client/viewer/still_pictures.h"
 #include "tests/client/viewer/picture.h"
+#include "tests/support/source_file.h"
 
 namespace tandem::client {
 namespace {
@@ -43,7 +44,7 @@ const GoldenCase kGoldenCases[] = {
 class GoldenSections : public testing::TestWithParam<GoldenCase> {
  protected:
   void SetUp() override {
-    Result<assets::Scene> loaded = assets::loadGltf(TANDEM_SOURCE_DIR "/assets/scenes/pump.glb", {});
+    Result<assets::Scene> loaded = assets::loadGltf(sourceFile("assets/scenes/pump.glb"), {});
     ASSERT_TRUE(loaded.ok()) << loaded.error().message;
     scene_ = std::move(*loaded);
     put("housing", 0.0);
@@ -91,7 +92,7 @@ class GoldenSections : public testing::TestWithParam<GoldenCase> {
   /// Share of the pixels that are off.
   double off(const Picture& picture) const {
     const Picture golden =
-        readPng(std::string(TANDEM_SOURCE_DIR "/tests/client/viewer/sections/") + GetParam().name + ".png");
+        readPng(sourceFile("tests/client/viewer/sections/") + GetParam().name + ".png");
     return static_cast<double>(countDifferent(picture, golden, kLevelsOff)) / (kGoldenWidth * kGoldenHeight);
   }
 

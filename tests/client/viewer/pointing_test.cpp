@@ -10,6 +10,7 @@
 #include "assets/gltf/load_gltf.h"
 #include "client/picture/camera.h"
 #include "client/viewer/viewer.h"
+#include "tests/support/source_file.h"
 
 namespace tandem::client {
 namespace {
@@ -54,7 +55,7 @@ PartId seenThrough(const assets::Scene& scene, const View& view, const glm::dvec
 class PointingTest : public testing::Test {
  protected:
   void SetUp() override {
-    Result<assets::Scene> loaded = assets::loadGltf(TANDEM_SOURCE_DIR "/assets/scenes/pump.glb", {});
+    Result<assets::Scene> loaded = assets::loadGltf(sourceFile("assets/scenes/pump.glb"), {});
     ASSERT_TRUE(loaded.ok()) << loaded.error().message;
     scene_ = std::move(*loaded);
     ViewerOptions options;

@@ -9,6 +9,7 @@
 
 #include "haptics/devices/spacemouse_decoder.h"
 #include "haptics/devices/udev_rule.h"
+#include "tests/support/source_file.h"
 
 namespace tandem::haptics {
 namespace {
@@ -34,7 +35,7 @@ TEST(DeviceList, SaysWhoMayOpenANodeAndHowToMendIt) {
 TEST(DeviceList, AMissingNodeIsGone) { EXPECT_EQ(checkNode("/dev/no_such_node").error, ENOENT); }
 
 TEST(DeviceList, TheUdevRuleCoversEveryModel) {
-  std::ifstream file(TANDEM_SOURCE_DIR "/haptics/devices/70-tandem-hid.rules");
+  std::ifstream file(sourceFile("haptics/devices/70-tandem-hid.rules"));
   const std::string rule((std::istreambuf_iterator<char>(file)), {});
   ASSERT_FALSE(rule.empty());
   EXPECT_EQ(udevRule(), rule);  // what the program prints is what is shipped

@@ -8,6 +8,7 @@
 #include "assets/gltf/load_gltf.h"
 #include "haptics/scene/haptic_texture.h"
 #include "tests/haptics/hand_probe.h"
+#include "tests/support/source_file.h"
 
 namespace tandem::test {
 namespace {
@@ -17,7 +18,7 @@ constexpr double kSide = 36.0 * mm, kHeight = 6.0 * mm;
 
 const assets::Scene& scene() {
   static const assets::Scene loaded = [] {
-    auto result = assets::loadGltf(TANDEM_SOURCE_DIR "/assets/scenes/surfaces.glb", {});
+    auto result = assets::loadGltf(sourceFile("assets/scenes/surfaces.glb"), {});
     if (!result.ok()) throw std::runtime_error(result.error().message);
     return std::move(*result);
   }();

@@ -6,6 +6,7 @@
 
 #include <fstream>
 
+#include "tests/support/source_file.h"
 #include "tests/sync/wire/random_messages.h"
 
 namespace tandem::sync {
@@ -238,7 +239,7 @@ std::string hex(const std::vector<std::byte>& bytes) {
 }
 
 TEST(Wire, WritesTheExamplesOfItsDescription) {
-  std::ifstream in(std::string(TANDEM_SOURCE_DIR) + "/sync/WIRE.md");
+  std::ifstream in(sourceFile("sync/WIRE.md"));
   const std::string description{std::istreambuf_iterator<char>(in), {}};
   const std::string grab = hex(encodeControl(Grab{258, 3})), ping = hex(encoded(Ping{7, 1000}));
   EXPECT_NE(description.find("`" + grab + "`"), std::string::npos) << grab;
