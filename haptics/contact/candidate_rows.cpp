@@ -11,7 +11,7 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr double kMostSag = 4.0;   // tolerances by which parts touch beside a sample at most
+constexpr double kMostSag = 16.0;               // tolerances by which parts touch beside a sample at most
 constexpr std::uint32_t kWorthDividing = 1024;  // samples
 constexpr float kShallow = 0.25f;  // trusted errors up to which no answer is worth more than a dip
 constexpr float kBlade = 0.7f;     // rad (some 40 degrees) between the faces of a blade at least
@@ -269,14 +269,14 @@ CandidateRows::Dip CandidateRows::dipTowards(const glm::vec3& along, const glm::
   const float down = -glm::dot(read.gradient, along);
   const Reading next = query_.to->field.read(place + along);
   // Where the other end is near an edge of the target, it is known only how deep that end may be.
-  if (next.error > query_.rough)
-    return {std::clamp(read.distance - next.distance + next.error, 0.0f, down), false};
+  const float end =
+      next.error > query_.smooth ? std::clamp(read.distance - next.distance + next.error, 0.0f, down) : 0.0f;
   const float up = glm::dot(next.gradient, along);
-  if (up <= 0.0f) return {};
+  if (next.error > query_.rough || up <= 0.0f) return {end, false};
   const float depth = std::max(0.0f, down * (read.distance - next.distance + up) / (down + up));
   const bool ofBlade = down + up >= kBlade * glm::length(along) &&
                        std::min(depth, depth + next.distance - read.distance) > query_.smooth;
-  return {depth + next.error, ofBlade};
+  return {std::max(end, depth + next.error), ofBlade};
 }
 
 void CandidateRows::alignToFace(std::uint32_t i, const Reading& read, glm::vec3& normal, float& gap) const {

@@ -11,16 +11,16 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr double kDeeperBy = 0.1;        // tolerances by which a deeper place near a sample is deeper
-constexpr double kAllowance = 0.5;       // tolerances that a place near a sample may be deeper
-constexpr double kTurned = 0.25;         // tolerances by which the seat of a sample may be off
-constexpr int kMaxDescents = 8;          // in a step; samples beyond it are measured where they are
-constexpr int kMaxBeside = 3;            // in a step; samples queried because of what may be beside them
-constexpr float kEnters = 0.25f;         // tolerances that a sample may be beyond a plane of its last answer
-constexpr float kSameSeat = 0.25f;       // extents that a sample goes while its last seat holds
-constexpr double kNearSeat = 0.125;      // extents that a sample goes until its last seat is looked for anew
-constexpr double kTurnedNear = 1.0;      // tolerances by which that extent may turn meanwhile
-constexpr double kLong = 10.0;           // tolerances that a sample goes in a long step
+constexpr double kDeeperBy = 0.1;    // tolerances by which a deeper place near a sample is deeper
+constexpr double kAllowance = 0.5;   // tolerances that a place near a sample may be deeper
+constexpr double kTurned = 0.25;     // tolerances by which the seat of a sample may be off
+constexpr int kMaxDescents = 8;      // in a step; samples beyond it are measured where they are
+constexpr int kMaxBeside = 8;        // in a step; samples queried because of what may be beside them
+constexpr float kEnters = 0.25f;     // tolerances that a sample may be beyond a plane of its last answer
+constexpr float kSameSeat = 0.06f;   // extents that a sample goes while its last seat holds
+constexpr double kNearSeat = 0.03;   // extents that a sample goes until its last seat is looked for anew
+constexpr double kTurnedNear = 1.0;  // tolerances by which that extent may turn meanwhile
+constexpr double kLong = 10.0;       // tolerances that a sample goes in a long step
 constexpr double kToleranceAcross =
     8.0;  // tolerances that a sample may be across a sheet and still on its old side
 constexpr double kTolerancesOut =
@@ -193,8 +193,7 @@ SampleQuery SampleRefiner::sampleQueryFor(const SideQuery& query, const ContactS
   sampleQuery.point = transformPoint(query.toFromSamples, sample.point) + shift;
   sampleQuery.motion = motionAt(query, sampleQuery.point, u);
   sampleQuery.slack = 0.5 * to.field.tolerance();
-  sampleQuery.range =
-      SideQuery::kTrustedShare * from.samples.spacing() + query.contactPair().closing(reach_);
+  sampleQuery.range = SideQuery::kTrustedShare * from.samples.spacing() + query.contactPair().closing(reach_);
   if (to.byFormula() || from.samples.isRound(sample)) return sampleQuery;
   readField(query, sampleQuery);
   if (ContactPatch edge; from.patchOf(sample, edge)) {

@@ -116,7 +116,7 @@ class ContactRows {
 
   /// The plane that u violates most, by more than `limit` m; -1 if none.
   int worstPlane(PairMotions u, double limit) const;
-  static constexpr std::size_t kMaxBeside = 8;
+  static constexpr std::size_t kMaxBeside = 32;
   /// A plane that u obeys, and what it leaves, m.
   struct LowPlane {
     int plane = -1;

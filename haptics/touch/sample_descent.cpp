@@ -12,13 +12,12 @@ namespace {
 
 constexpr int kMaxDescentRounds = 4, kMaxMoves = 64, kMaxTrianglesAround = 24, kMaxHalvings = 6,
               kMaxHumps = 3;
-// Spacings of the samples of a smooth surface to the place where two round surfaces touch, times the mean
-// share of the slope on the way there.
-constexpr double kToTouch = 0.5;
 // Share of an interval that a step leaves at both of its ends.
 constexpr double kEnd = 0.02;
 // Allowances by which a move over a plane goes lower.
 constexpr double kLowerBy = 0.25;
+// Moves' reaches from an edge within which a place is on it.
+constexpr double kOnEdge = 1e-9;
 // m from a surface below which the direction to it is that of the face.
 constexpr double kOnSurface = 1e-10;
 
@@ -164,7 +163,8 @@ EdgePlace Descent::lowestAround(std::uint32_t triangle, const glm::dvec3& from, 
     for (const glm::dvec3& end : {edge.a, edge.b}) {
       // Along an edge through the present place a move may end before the corner.
       const double length = glm::length(end - from);
-      const bool clipped = from == place_.point && nearest == from && length > reach_;
+      const bool through = glm::length(nearest - from) <= kOnEdge * reach_;
+      const bool clipped = from == place_.point && through && length > reach_;
       consider(i, clipped ? from + (1.0 - 1e-9) * reach_ / length * (end - from) : end);
     }
   }
@@ -329,7 +329,7 @@ double smoothDip(const ContactSamples& all, const ContactSample& sample, const g
   const double square = glm::dot(across, across);
   const double at = square > 0.0 ? std::clamp(glm::dot(from, across) / square, 0.0, 1.0) : 0.0;
   const double slope = std::min(glm::length(from - at * across), static_cast<double>(sample.turn));
-  return kToTouch * all.smoothSpacing() * slope;
+  return all.smoothSpacing() * slope;
 }
 
 bool isLevel(const SampledModels& models, const ContactSample& sample, const LevelBounds& bounds,

@@ -92,7 +92,7 @@ def cases(folder, binaries):
     serve = ["tandem-server", PUMP, "--listen", "127.0.0.1:0", "--duration", "0.1"]
     recording = str(folder / "nobody.rec")
     subprocess.run([binaries / serve[0], *serve[1:], "--data", data, "--record", recording],
-                   capture_output=True, timeout=60,
+                   capture_output=True, timeout=240,
                    check=True)
     yield ["tandem", "replay", recording, "--scene", PUMP, "--headless", "--at", "99"], "the recording ends"
     (data / "tls.key").write_text("x")
@@ -112,7 +112,7 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         for command, word in cases(pathlib.Path(name), binaries):
             program = command[0] if command[0] == "bash" else binaries / command[0]
-            run = subprocess.run([program, *command[1:]], capture_output=True, text=True, timeout=60)
+            run = subprocess.run([program, *command[1:]], capture_output=True, text=True, timeout=240)
             lines = run.stderr.splitlines()
             if run.returncode != 2 or len(lines) != 1 or word not in lines[0]:
                 failures += 1

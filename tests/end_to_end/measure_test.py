@@ -29,7 +29,7 @@ SCRIPT = [step(0.0, "diameter", at=[SIDE], name="peg"), step(0.1, "length", at=[
 
 def checked(binaries, *arguments):
     done = subprocess.run([binaries / "tandem", "check", SCENE, "--json", *arguments], capture_output=True,
-                          text=True, timeout=60)
+                          text=True, timeout=200)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 
@@ -59,12 +59,12 @@ def a_scripted_hand_measures_as_check_does(binaries, folder):
         link = wait_for(lambda: next(iter(server.links("participant")), None), "a link")
         done = subprocess.run([binaries / "tandem", "join", link, "--headless", "--name", "Ada", "--hand",
                                script, "--no-part-contact", "--duration", "2", "--quiet", "--cache",
-                               folder / "cache"], capture_output=True, text=True, timeout=60)
+                               folder / "cache"], capture_output=True, text=True, timeout=200)
         assert done.returncode == 0, done.stderr
         assert done.stderr == "tandem: script: there is no diameter to measure\n", done.stderr
         file = folder / "document.json"
         subprocess.run([binaries / "tandem", "document", server.links("observer")[0], "export", file],
-                       check=True, timeout=60, stdout=subprocess.DEVNULL)
+                       check=True, timeout=200, stdout=subprocess.DEVNULL)
         entries = json.loads(file.read_text())["entries"]
         wanted = expected(binaries)
         assert [each["kind"] for each in entries] == ["measure"] * len(wanted), entries
@@ -88,10 +88,10 @@ def what_is_held_is_measured_where_it_is(binaries, folder):
         path.write_text(json.dumps(script))
         done = subprocess.run([binaries / "tandem", "join", server.links("participant")[0], "--headless",
                                "--hand", path, "--no-part-contact", "--duration", "2.8", "--quiet",
-                               "--cache", folder / "cache"], capture_output=True, text=True, timeout=60)
+                               "--cache", folder / "cache"], capture_output=True, text=True, timeout=200)
         assert done.returncode == 0 and not done.stderr, done
         subprocess.run([binaries / "tandem", "document", server.links("observer")[0], "export", file],
-                       check=True, timeout=60, stdout=subprocess.DEVNULL)
+                       check=True, timeout=200, stdout=subprocess.DEVNULL)
         before, held = (entry["value"] for entry in json.loads(file.read_text())["entries"])
         assert abs(before - 0.0002) < 1e-7, before
         assert 0.035 < held < 0.06, held  # the hand is a modelled arm, and the peg hangs from it

@@ -34,7 +34,7 @@ class Runs:
 
     def done(self, *arguments):
         done = subprocess.run([self.binaries / "tandem", *arguments, "--cache", self.folder / "cache"],
-                              capture_output=True, text=True, timeout=60)
+                              capture_output=True, text=True, timeout=200)
         assert done.returncode == 0 and "script:" not in done.stderr, done
         return done.stdout
 
@@ -77,7 +77,7 @@ def an_observer_changes_nothing(binaries, folder):
                             (server.links("participant")[0], ["clashes", "file.json"]),
                             (server.links("participant")[0], ["export"])):
             done = subprocess.run([binaries / "tandem", "document", link, *words], capture_output=True,
-                                  text=True, timeout=20)
+                                  text=True, timeout=100)
             assert done.returncode == 2 and len(done.stderr.splitlines()) == 1, done
 
 

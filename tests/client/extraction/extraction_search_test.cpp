@@ -43,7 +43,7 @@ struct BlockSearch : testing::Test {
     return static_cast<PartId>(scene.parts.size() - 1);
   }
   static ExtractionSearch::State ended(const ExtractionSearch& search) {
-    for (int i = 0; i < 6000 && search.state().running; ++i)
+    for (int i = 0; i < 30000 && search.state().running; ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     return search.state();
   }

@@ -91,8 +91,7 @@ class GoldenSections : public testing::TestWithParam<GoldenCase> {
 
   /// Share of the pixels that are off.
   double off(const Picture& picture) const {
-    const Picture golden =
-        readPng(sourceFile("tests/client/viewer/sections/") + GetParam().name + ".png");
+    const Picture golden = readPng(sourceFile("tests/client/viewer/sections/") + GetParam().name + ".png");
     return static_cast<double>(countDifferent(picture, golden, kLevelsOff)) / (kGoldenWidth * kGoldenHeight);
   }
 

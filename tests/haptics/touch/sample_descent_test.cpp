@@ -7,6 +7,8 @@
 
 #include "haptics/touch/sample_descent.h"
 #include "tests/support/irregular_shapes.h"
+#include "tests/support/part_meshes.h"
+#include "tests/support/shapes.h"
 
 namespace tandem::test {
 namespace {
@@ -100,8 +102,8 @@ Descents descend(const haptics::SampledModels& models, const MeshSolid& to) {
   return all;
 }
 
-/// Descents go along the edges of a part. Where a face of it is deepest between its edges, the other part has a
-/// corner or an edge there, to which its own descents go.
+/// Descents go along the edges of a part. Where a face of it is deepest between its edges, the other part has
+/// a corner or an edge there, to which its own descents go.
 TEST(SampleDescent, OfOnePartOrTheOtherGoesToTheDeepestPlace) {
   int moved = 0, byTheOther = 0;
   double above = 0.0;
@@ -122,6 +124,31 @@ TEST(SampleDescent, OfOnePartOrTheOtherGoesToTheDeepestPlace) {
   EXPECT_GT(moved, 100);
   EXPECT_GT(byTheOther, 0) << "one part's descents are enough";
   EXPECT_GT(above, 1e-5) << "the samples alone are as deep";
+}
+
+/// A sample in the middle of a long edge is as little level as one at its end: the edge goes on downwards.
+TEST(SampleDescent, IsWorthItAlongALongEdgeThatFalls) {
+  const MeshSolid peg(meshOf(pegSoup({0.005, 0.03, 0.001, {64, 3}}))),
+      table(boxMesh(glm::dvec3(0.06, 0.06, 0.01)));
+  haptics::SampledModels models{&peg.model, &table.model, {}};
+  models.toFromSamples.orientation = fromRotationVector({0.0, 1.54, 0.0});
+  double lowest = 1e300;
+  for (const glm::dvec3& p : peg.mesh.positions)
+    lowest = std::min(lowest, transformPoint(models.toFromSamples, p).z);
+  models.toFromSamples.position.z = 0.005 - lowest + kApart;
+  int seen = 0;
+  for (const ContactSample& sample : peg.model.samples.samples()) {
+    const glm::dvec3 place = transformPoint(models.toFromSamples, sample.point);
+    const double height = table.distance(place),
+                 end = std::min(sample.point.z - 0.001, 0.03 - sample.point.z);
+    if (!haptics::ContactSamples::isSmooth(sample) || height > kNear ||
+        end < peg.model.samples.extent(sample))
+      continue;
+    const haptics::LevelBounds bounds{height, 1e-6, 1e-3};
+    EXPECT_FALSE(isLevel(models, sample, bounds, {0.0, 0.0, 1.0}, true)) << 1e3 * sample.point.z;
+    ++seen;
+  }
+  EXPECT_GT(seen, 10);
 }
 
 }  // namespace
