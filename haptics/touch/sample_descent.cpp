@@ -16,7 +16,7 @@ constexpr int kMaxDescentRounds = 4, kMaxMoves = 64, kMaxTrianglesAround = 24, k
 constexpr double kEnd = 0.02;
 // Allowances by which a move over a plane goes lower.
 constexpr double kLowerBy = 0.25;
-// Moves' reaches from an edge within which a place is on it.
+// A place is on an edge if it is nearer to it than this share of the reach of a move.
 constexpr double kOnEdge = 1e-9;
 // m from a surface below which the direction to it is that of the face.
 constexpr double kOnSurface = 1e-10;
@@ -160,11 +160,11 @@ EdgePlace Descent::lowestAround(std::uint32_t triangle, const glm::dvec3& from, 
     const EdgeLine edge = ownEdges().line(i);
     const glm::dvec3 nearest = closestPointOnSegment(from, edge.a, edge.b);
     consider(i, nearest);
+    // Along an edge through the present place a move may end before the corner.
+    const bool through = from == place_.point && glm::length(nearest - from) <= kOnEdge * reach_;
     for (const glm::dvec3& end : {edge.a, edge.b}) {
-      // Along an edge through the present place a move may end before the corner.
       const double length = glm::length(end - from);
-      const bool through = glm::length(nearest - from) <= kOnEdge * reach_;
-      const bool clipped = from == place_.point && through && length > reach_;
+      const bool clipped = through && length > reach_;
       consider(i, clipped ? from + (1.0 - 1e-9) * reach_ / length * (end - from) : end);
     }
   }

@@ -5,8 +5,8 @@
 
 namespace tandem {
 
-/// The path of a file of this checkout; `path`: from its top folder, as in "assets/scenes/pump.glb". One
-/// object alone holds where the checkout is, so all others are the same in every checkout.
+/// The whole path of a file of the project; `path` begins at its top folder, as in "assets/scenes/pump.glb".
+/// source_file.cpp alone is compiled with the place of the checkout; all else is the same in every checkout.
 std::string sourceFile(std::string_view path);
 
 }  // namespace tandem

@@ -134,8 +134,8 @@ TEST(IrregularPresses, OfSmoothSurfacesAreJudgedBetweenTheirSamples) {
                 {Family::turned, 45, 0}});
 }
 
-/// 11 to 13 um deep where the part touches so far beside a sample that this one is well above the surface, or
-/// where many samples are nearer to it.
+/// Presses that go 8 to 12 um deep unless samples count that are well above the surface, by many tolerances:
+/// the part touches so far beside them, and many other samples may be nearer.
 TEST(IrregularPresses, TouchBesideSamplesThatAreWellAbove) {
   expectWithin({{Family::blobs, 2, 1},
                 {Family::blobs, 19, 0},
@@ -145,8 +145,8 @@ TEST(IrregularPresses, TouchBesideSamplesThatAreWellAbove) {
                 {Family::blobs, 138, 6}});
 }
 
-/// 6 to 8 um deep where a sharp edge touches near its end, and that end near an edge of the other part: there
-/// the field's slope does not tell whether the distance falls or rises.
+/// Presses that go 6 to 7 um deep if the field's gradient is believed near an edge of the other part: a sharp
+/// edge touches close to its end, and the gradient there does not tell whether the distance falls or rises.
 TEST(IrregularPresses, TouchNearTheEndsOfSharpEdges) {
   expectWithin({{Family::blobs, 25, 3}, {Family::blobs, 106, 2}, {Family::turned, 19, 2}});
 }

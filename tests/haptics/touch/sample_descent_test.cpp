@@ -79,10 +79,11 @@ double leastOverMesh(const Apart& apart, const MeshSolid& from, const MeshSolid&
   return least;
 }
 
+/// What the samples of one part find of the deepest place in the other.
 struct Descents {
-  double alone = 1e300,
-         seated = 1e300;  // m, the least distance of samples, and of where they and descents end
-  int moved = 0;
+  double alone = 1e300;   // m, the least distance of a sample from the other part
+  double seated = 1e300;  // m, the same of the samples and the places to which they descend
+  int moved = 0;          // samples that descend at all
 };
 
 Descents descend(const haptics::SampledModels& models, const MeshSolid& to) {
@@ -102,8 +103,8 @@ Descents descend(const haptics::SampledModels& models, const MeshSolid& to) {
   return all;
 }
 
-/// Descents go along the edges of a part. Where a face of it is deepest between its edges, the other part has
-/// a corner or an edge there, to which its own descents go.
+/// A descent goes along the edges of its own part. Where the deepest place is inside a face, a corner or an
+/// edge of the other part touches that face, and a descent of the other part goes there.
 TEST(SampleDescent, OfOnePartOrTheOtherGoesToTheDeepestPlace) {
   int moved = 0, byTheOther = 0;
   double above = 0.0;
@@ -126,7 +127,8 @@ TEST(SampleDescent, OfOnePartOrTheOtherGoesToTheDeepestPlace) {
   EXPECT_GT(above, 1e-5) << "the samples alone are as deep";
 }
 
-/// A sample in the middle of a long edge is as little level as one at its end: the edge goes on downwards.
+/// A long cylinder is tilted over a table: its edges fall towards the table past every sample on them, and a
+/// descent from there is worth its time.
 TEST(SampleDescent, IsWorthItAlongALongEdgeThatFalls) {
   const MeshSolid peg(meshOf(pegSoup({0.005, 0.03, 0.001, {64, 3}}))),
       table(boxMesh(glm::dvec3(0.06, 0.06, 0.01)));
