@@ -50,6 +50,7 @@ const ContactBody& ContactIsland::addMoving(const MovingPart& part, double dt) {
   if (at == bodies_.size()) return body;
   body.goal = {dt * part.step.freeVelocity, dt * part.step.freeSpin};
   body.mass = part.body->mass;
+  body.grips = part.grips;
   body.axis = part.axis;
   StepGoal& goal = goals_[at];
   goal.applied = Displacement{};
@@ -105,6 +106,14 @@ void ContactIsland::place() {
     pair.otherFromFirst = inverse(otherPose(pair)) * one.pose;
     if (pair.second >= 0)
       rowPairs_[static_cast<std::size_t>(i)].offset = one.centre - body(pair.second).centre;
+  }
+}
+
+void ContactIsland::shortenGoals(double share) {
+  for (int i = 0; i < bodyCount(); ++i) {
+    const Displacement left = remaining(i), &done = applied(i);
+    bodies_[static_cast<std::size_t>(i)].goal = {done.linear + share * left.linear,
+                                                 done.angular + share * left.angular};
   }
 }
 

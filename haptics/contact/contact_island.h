@@ -29,7 +29,8 @@ struct ContactBody {
   glm::dvec3 centre{0.0};            // of mass, m, world, as of the last place()
   Displacement goal;                 // where it would go in this tick without contacts and joints
   double mass = 1.0;                 // kg
-  std::optional<AxisLimits> axis;    // of a control
+  FixedVector<GripPace, kHands> grips;
+  std::optional<AxisLimits> axis;  // of a control
 
   /// m, an upper bound of how far a displacement moves any point of the body.
   double motion(const Displacement& u) const;
@@ -80,6 +81,8 @@ class ContactIsland {
   double updateGoals();
   /// Brings centres of mass and relative poses of all pairs up to date with the bodies' poses.
   void place();
+  /// Leaves of what remains of each body's goal a share, as if the tick were that much shorter.
+  void shortenGoals(double share);
   /// Moves a body by u, from its pose at the last place().
   void moveBody(int body, const Displacement& u);
 

@@ -33,6 +33,8 @@ void ContactStep::move(std::span<MovingPart* const> moving, const Tick& tick, in
   TICK_ASSERT(fault_, tick.dt > 0.0 && tick.work != nullptr && tick.touches != nullptr);
   lastMotion_ = 0.0;
   for (const MovingPart* part : moving) lastMotion_ = std::max(lastMotion_, history_.lastMotion(part->part));
+  pushed_ = island_.push() + longestUngripped(moving, tick.dt);
+  slips_ = false;
   history_.recallFriction(island_, solver_);
   const int maxSteps = std::clamp(tick.effort.steps, 1, kMaxSteps), iterationsBefore = tick.work->iterations;
   const double tolerance = island_.tolerance();
@@ -87,8 +89,7 @@ void ContactStep::gatherPair(int pair, const SharedGather::Step& step) {
 
 void ContactStep::share(TickHelpers* helpers) {
   shared_.reset();
-  if (helpers != nullptr && helpers->count() > 0)
-    shared_ = std::make_unique<SharedGather>(*helpers, clocks_);
+  if (helpers != nullptr && helpers->count() > 0) shared_ = std::make_unique<SharedGather>(*helpers, clocks_);
 }
 
 TickHelpers::Awake ContactStep::beginTick(const ContactWork& last) {
@@ -137,14 +138,47 @@ void ContactStep::solve(const Tick& tick, int maxIterations) {
   work.infeasible += solver_.infeasible();
 }
 
+double ContactStep::longestUngripped(std::span<MovingPart* const> moving, double dt) const {
+  double longest = 0.0;
+  for (int b = 0; b < island_.bodyCount(); ++b) {
+    const ContactBody& body = island_.body(b);
+    if (!body.grips.empty()) continue;
+    const RigidBody& moved = *moving[static_cast<std::size_t>(b)]->body;
+    const glm::dvec3 centre = transformPoint(moved.worldFromBody, moved.centreOfMass);
+    const Displacement last{dt * velocityAt(moved.worldFromBody, moved.twist, centre),
+                            dt * moved.twist.angular};
+    longest = std::max(longest, body.motion(last));
+  }
+  return longest;
+}
+
+double ContactStep::paceOfStep() const {
+  double pace = 1.0;
+  for (int b = 0; b < island_.bodyCount(); ++b) {
+    for (const GripPace& grip : island_.body(b).grips) {
+      const auto shareOf = [&](const Displacement& next) {
+        return shareWithin(grip, island_.applied(b), next, pushed_);
+      };
+      // What contacts add to a motion that the hand may make is theirs.
+      pace = std::min(pace, std::max(shareOf(solver_.displacement(b)), shareOf(island_.remaining(b))));
+    }
+  }
+  return pace;
+}
+
 bool ContactStep::advance(bool isFirst, ContactWork& work) {
+  const bool exhausted = solver_.exhausted();
+  const double pace = exhausted ? 1.0 : paceOfStep();
   double share = 1.0, motion = 0.0;
   for (int b = 0; b < island_.bodyCount(); ++b) {
-    const double length = island_.body(b).motion(solver_.displacement(b));
+    const double length = pace * island_.body(b).motion(solver_.displacement(b));
     motion = std::max(motion, length);
     if (length > reach_) share = std::min(share, reach_ / length);
   }
-  const bool exhausted = solver_.exhausted();
+  if (pace < 1.0) {
+    slips_ = true;
+    island_.shortenGoals(pace);
+  }
   if (exhausted) {
     // The bodies move as far as no unseen sample can touch, and on in the next tick.
     share = std::min(share, rows_.safeShare(solver_.pairMotions()));
@@ -153,7 +187,7 @@ bool ContactStep::advance(bool isFirst, ContactWork& work) {
   TICK_ASSERT(fault_, share >= 0.0 && share <= 1.0);
   for (int b = 0; b < island_.bodyCount(); ++b) {
     const Displacement& whole = solver_.displacement(b);
-    island_.moveBody(b, {share * whole.linear, share * whole.angular});
+    island_.moveBody(b, {share * pace * whole.linear, share * pace * whole.angular});
   }
   history_.noteContacts(island_, rows_, solver_);
   // After a step that was cut short the next one reaches at least half as far as was sought. A shorter reach
@@ -176,6 +210,8 @@ void ContactStep::finish(MovingPart& part, int index, bool moved, double dt) con
   part.body->worldFromBody = body.pose;
   setVelocity(*part.body, applied.linear / dt, applied.angular / dt);
   part.displacement = applied;
+  part.slips = slips_;
+  part.cutShort = solver_.exhausted();
 }
 
 void ContactStep::noteTouches(const Tick& tick) const {

@@ -77,6 +77,10 @@ class ContactStep {
   /// remaining displacement of the bodies.
   void refineCached();
   void solve(const Tick& tick, int maxIterations);
+  /// m, the longest motion in the last tick of a body that no hand's pace holds back.
+  double longestUngripped(std::span<MovingPart* const> moving, double dt) const;
+  /// The share, 0..1, of the solver's displacements that the pace of all grips allows.
+  double paceOfStep() const;
   /// Moves the bodies by the solver's displacements, at most by the reach; true if no further step is
   /// needed.
   bool advance(bool isFirst, ContactWork& work);
@@ -94,7 +98,9 @@ class ContactStep {
   SideClocks clocks_;
   std::unique_ptr<SharedGather> shared_;  // null: nothing is shared
   bool sharing_ = false;                  // in this tick
-  double reach_ = 0.0;       // m, of the present step
+  double reach_ = 0.0;                    // m, of the present step
+  double pushed_ = 0.0;                   // m, by which others may move a body in this tick
+  bool slips_ = false;                    // whether the pace of a grip has made a step of this tick shorter
   double lastMotion_ = 0.0;  // m, of the island's last step; half of what was sought where it was cut short
 };
 

@@ -9,7 +9,9 @@
 
 #include "haptics/base/fault.h"
 #include "haptics/base/fixed_vector.h"
+#include "haptics/base/tick_types.h"
 #include "haptics/body/virtual_coupling.h"
+#include "haptics/contact/grip_pace.h"
 #include "haptics/scene/contact_world.h"
 #include "haptics/solver/contact_rows.h"
 
@@ -30,8 +32,11 @@ struct MovingPart {
   PartId part = kNoPart;
   CoupledStep step;
   RigidBody* body = nullptr;
-  Displacement displacement{};       // output: of its centre of mass, and its rotation
-  std::optional<AxisLimits> axis{};  // of a control: it touches nothing but other moving parts
+  Displacement displacement{};            // output: of its centre of mass, and its rotation
+  std::optional<AxisLimits> axis{};       // of a control: it touches nothing but other moving parts
+  FixedVector<GripPace, kHands> grips{};  // of a part that may slip in hands
+  bool slips = false;                     // output: its grips' pace made its motion shorter
+  bool cutShort = false;                  // output: it lags because the step's iterations ran out
 };
 
 /// A place where a moving part rests on another.

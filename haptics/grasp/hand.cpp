@@ -1,6 +1,7 @@
 #include "haptics/grasp/hand.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -11,6 +12,8 @@ namespace {
 
 // A hand that moved less than this while the ticks stood still keeps its contacts.
 constexpr double kStillInStall = 1e-3;  // m
+// A device that reads less often than the loop ticks, or in coarse steps, stands still in many ticks.
+constexpr double kWayDecay = 0.01;  // s
 
 }  // namespace
 
@@ -34,6 +37,8 @@ void Hand::begin(const HandInput& input, const TickParameters& parameters) {
   if (started_ && (hasTool_ || fade_.active())) displacement_ = now.position - last.position;
   if (started_ && fade_.active())
     rotation_ = rotationVector(now.orientation * glm::conjugate(last.orientation));
+  way_ = std::max({glm::length(motion_), parameters_.dt * glm::length(reading.twist.linear),
+                   way_ * std::exp(-parameters_.dt / kWayDecay)});
   device_ = steadyDevice_ = reading;
   if (reading_.note(now.position, parameters_.dt)) steadyDevice_.twist.linear = glm::dvec3(0.0);
   const bool wentOn = std::exchange(stalled_, false) && glm::length(displacement_) > kStillInStall;

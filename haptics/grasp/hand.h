@@ -55,7 +55,7 @@ class Hand {
   /// What pulls at the part in the hand.
   HandPull pull() const {
     return {valid_ ? &steadyDevice_ : nullptr, HandPull::gainsOf(parameters_), parameters_.forceLimit,
-            parameters_.torqueLimit};
+            parameters_.torqueLimit, way_};
   }
   /// Notes the wrench of the hand's coupling in this tick, before limits.
   void setCoupling(const Wrench& coupling) { coupling_ = valid_ ? coupling : Wrench{}; }
@@ -112,7 +112,8 @@ class Hand {
   Wrench tool_, lastTool_;                        // HandInput::tool of this tick and of the last
   glm::dvec3 displacement_{0.0}, rotation_{0.0};  // m and rad, what fades follows
   glm::dvec3 motion_{0.0};                        // m, of the hand since the last tick
-  double invalidTime_ = 0.0, silence_ = 0.0;      // s since the last valid reading: now, and before this tick
+  double way_ = 0.0;                          // m, of the hand in the fastest of the last ticks; it decays
+  double invalidTime_ = 0.0, silence_ = 0.0;  // s since the last valid reading: now, and before this tick
   double sentShare_ = 0.0;
   bool valid_ = false, started_ = false, elsewhere_ = false, stalled_ = false;
   std::uint32_t flags_ = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -347,20 +348,23 @@ void HeldParts::rub(PartId part, const Wrench& surfaces) {
   if (SimulatedPart* entry = find(part)) entry->rubbed = surfaces;
 }
 
-bool HeldParts::pulledStep(SimulatedPart& entry, const HandPulls& hands, const glm::dvec3& gravity, double dt,
-                           double now, CoupledStep& step) {
+bool HeldParts::pulledStep(SimulatedPart& entry, const HandPulls& hands, const TickParameters& parameters,
+                           const glm::dvec3& gravity, double now, MovingPart& moving) {
+  const double dt = parameters.dt;
   std::array<Coupling, kMaxCouplings> couplings;
   std::size_t count = 0;
   const bool linked = links_.has(entry.part);
   const Tie tie{linked, linked && links_.playOutDelay(entry.part) > kFar,
                 entry.body.mass * glm::length(gravity)};
+  FixedVector<Wrench, kHands> last;  // of the couplings, on the hands
   for (std::size_t h = 0; h < kHands; ++h) {
     Grip& grip = entry.grips[h];
-    grip.onHand = Wrench{};
+    const Wrench lastOnHand = std::exchange(grip.onHand, Wrench{});
     if (!grip.holds || hands[h].device == nullptr) continue;
     if (grip.firmness < 1.0)
       close(grip, entry.body.worldFromBody, hands[h].device->worldFromDevice, links_.carry(entry.part), dt);
     couplings[count++] = couplingOf(grip, hands[h], entry.body, tie, dt);
+    last.push_back(lastOnHand);
   }
   if (count == 0 && !linked) return false;
   const bool held = count > 0;
@@ -381,7 +385,18 @@ bool HeldParts::pulledStep(SimulatedPart& entry, const HandPulls& hands, const g
     load.force += entry.field.force;
     couplings[count++] = couplingOf(entry.field, entry.body);
   }
-  step = coupleBody(entry.body, {couplings.data(), count}, load, weighs * gravity, dt);
+  moving.step = coupleBody(entry.body, {couplings.data(), count}, load, weighs * gravity, dt);
+  const bool movedByOthers = linked || entry.tool.stiffness > 0.0;
+  if (!entry.slips || movedByOthers || !(parameters.slipChange > 0.0)) return true;
+  const double handWay = std::max(hands[0].way, hands[1].way);
+  const glm::dvec3 com = transformPoint(entry.body.worldFromBody, entry.body.centreOfMass);
+  for (std::size_t i = 0; i < last.size(); ++i) {
+    const CouplingForce& pull = moving.step.couplings[i];
+    const double gripWay =
+        dt * glm::length(velocityAt(entry.body.worldFromBody, entry.body.twist, com + pull.arm));
+    moving.grips.push_back(paceOf(pull, {last[i].force, couplings[i].gains.stiffness, gripWay, handWay},
+                                  parameters.slipChange, dt));
+  }
   return true;
 }
 
@@ -442,13 +457,14 @@ std::array<Wrench, kHands> HeldParts::step(const HandPulls& hands, const TickPar
     // it is free.
     const bool falls = isPulled(entry, hands) || (!entry.held() && isFree(entry.part, gravity, contact));
     if (!falls) gravity = glm::dvec3(0.0);
-    CoupledStep step;
-    if (!pulledStep(entry, hands, gravity, dt, now, step) &&
-        !freeStep(entry, gravity, dt, contact, scene, step))
+    MovingPart part{entry.part, {}, &entry.body};
+    const CoupledStep& step = part.step;
+    if (!pulledStep(entry, hands, parameters, gravity, now, part) &&
+        !freeStep(entry, gravity, dt, contact, scene, part.step))
       continue;
     if (contact != nullptr && contact->constrains(entry.part)) {
       entries.push_back(&entry);
-      moving.push_back({entry.part, step, &entry.body});
+      moving.push_back(part);
       continue;
     }
     moveBody(entry.body, step.freeVelocity, step.freeSpin, dt);
@@ -475,6 +491,7 @@ std::array<Wrench, kHands> HeldParts::step(const HandPulls& hands, const TickPar
     const Displacement& displacement = moving[i].displacement;
     SimulatedPart& entry = *entries[i];
     react(entry, hands, moving[i].step, displacement.linear / dt, displacement.angular / dt, onHands);
+    entry.slips = !moving[i].cutShort && (moving[i].slips || contact->presses(entry.part));
     if (!entry.held() && !links_.has(entry.part) &&
         isFree(entry.part, gravityOn(entry.part, parameters, scene), contact))
       noteRest(entry, dt);

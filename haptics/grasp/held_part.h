@@ -72,6 +72,7 @@ struct SimulatedPart {
   FieldPull field;          // of the next step, while a hand holds the part
   Wrench rubbed;            // the same, of the surfaces that it slides on, about the centre of mass
   MovedControl moved;       // a control moves along its axis only
+  bool slips = false;       // it pressed on another part in the last tick, or was slipping from one
 
   bool held() const { return grips[0].holds || grips[1].holds; }
   /// Whether a hand that holds it has begun to close.
@@ -84,6 +85,7 @@ struct HandPull {
   CouplingGains gains;
   double forceLimit = 0.0;   // N, the most that the hand is given; 0: any
   double torqueLimit = 0.0;  // N·m, the same, > 0 with it
+  double way = 0.0;          // m, of the hand in a tick, the fastest of the last ones
 
   static CouplingGains gainsOf(const TickParameters& p) {
     return {p.graspStiffness, p.graspDamping, p.graspRotStiffness, p.graspRotDamping};
@@ -145,9 +147,10 @@ class HeldParts {
   void take(PartContact& contact, const TickParameters& parameters);
   /// Keeps a part that is being taken where it is, in open hands.
   static void stand(SimulatedPart& entry, const HandPulls& hands);
-  /// The step of a part that hands or links pull at; false if none does.
-  bool pulledStep(SimulatedPart& entry, const HandPulls& hands, const glm::dvec3& gravity, double dt,
-                  double now, CoupledStep& step);
+  /// The step of a part that hands or links pull at, and the pace of its grips if it may slip; false if none
+  /// pulls.
+  bool pulledStep(SimulatedPart& entry, const HandPulls& hands, const TickParameters& parameters,
+                  const glm::dvec3& gravity, double now, MovingPart& moving);
   /// Adds the wrenches of the couplings on the hands after a part has moved, and reports its motion to its
   /// links.
   void react(SimulatedPart& entry, const HandPulls& hands, const CoupledStep& step,

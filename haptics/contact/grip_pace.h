@@ -1,0 +1,45 @@
+#pragma once
+
+// How a part in a hand slips. Contact keeps a part from where its hand's spring pulls it. Where that contact
+// ends, at an edge or as a jam opens, a light part would be at full speed within a millisecond, and would
+// stand still within another where it arrives: two kicks. So while a part slips, the place where the hand
+// holds it goes hardly faster than the hand, and changes its direction as gently: only a share of each step
+// is taken.
+//
+// That takes energy and never gives any. With E the energy of springs and weight, which is convex, a step
+// from the velocity v0 is the least of 1/2 |v - v0|^2 + E(x + T v), by mass, among what contacts allow, and
+// to stand still is allowed. So 1/2 |v|^2 + E(x + T v) <= 1/2 |v0|^2 + E(x), and for a share s of it
+//     1/2 |s v|^2 + E(x + s T v) <= s (1/2 |v|^2 + E(x + T v)) + (1 - s) E(x) <= 1/2 |v0|^2 + E(x).
+
+#include <glm/vec3.hpp>
+
+#include "haptics/body/virtual_coupling.h"
+#include "haptics/solver/step_space.h"
+
+namespace tandem::haptics {
+
+/// How far the place where a hand holds a part may go in a tick.
+struct GripPace {
+  glm::dvec3 arm{0.0, 0.0, 0.0};     // m, world, from the part's centre of mass to the grip
+  glm::dvec3 steady{0.0, 0.0, 0.0};  // m, world: the way by which the force on the hand stays as it was
+  double aside = 0.0;                // m, from `steady`
+  double farthest = 0.0;             // m
+};
+
+/// What decides a pace.
+struct GripMotion {
+  glm::dvec3 lastOnHand{0.0, 0.0, 0.0};  // N, of the coupling in the last tick
+  double stiffness = 0.0;                // N/m, of the coupling
+  double gripWay = 0.0, handWay = 0.0;   // m, that the grip and the hand go in a tick
+};
+
+/// The pace of a grip in a tick of dt seconds under its coupling. A slip may change the force on the hand by
+/// `force` (N, > 0) as it begins and where it ends, beyond what the hand's own motion does.
+GripPace paceOf(const CouplingForce& pull, const GripMotion& motion, double force, double dt);
+
+/// The largest share, 0..1, of the displacement `next` of a part that keeps the pace after it has been
+/// displaced by `done` in the same tick, or comes as near to that as any. `pushed`: m that others may move
+/// the part in the tick.
+double shareWithin(const GripPace& pace, const Displacement& done, const Displacement& next, double pushed);
+
+}  // namespace tandem::haptics
