@@ -25,7 +25,7 @@ namespace tandem::client {
 
 namespace {
 
-struct Arguments {
+struct CheckArguments {
   SceneArguments scene;
   std::string device = "desktop";
   double delay_ms = 0.0;
@@ -122,7 +122,7 @@ Json featureJson(const Feature& feature, const char* name, const char* kind) {
   return json;
 }
 
-void printGrasp(const DeviceClass& device, const Arguments& arguments) {
+void printGrasp(const DeviceClass& device, const CheckArguments& arguments) {
   const GraspFit fit = fitGrasp(device.limits, arguments.delay_ms * 1e-3);
   std::printf("stiffest stable grasp: %.0f N/m", fit.stiffest.stiffness);
   if (fit.stiffest.rotStiffness > 0.0)
@@ -134,7 +134,7 @@ void printGrasp(const DeviceClass& device, const Arguments& arguments) {
               fit.kept ? "the defaults" : "lowered from the defaults");
 }
 
-Json graspJson(const DeviceClass& device, const Arguments& arguments) {
+Json graspJson(const DeviceClass& device, const CheckArguments& arguments) {
   const GraspFit fit = fitGrasp(device.limits, arguments.delay_ms * 1e-3);
   const bool turns = fit.stiffest.rotStiffness > 0.0;
   return {{"stiffest_n_per_m", fit.stiffest.stiffness},
@@ -144,9 +144,9 @@ Json graspJson(const DeviceClass& device, const Arguments& arguments) {
           {"defaults_kept", fit.kept}};
 }
 
-Json toJson(const assets::Scene& scene, const std::vector<StylusModel>& models,
-            const std::vector<ContactModel>& contact, const Features& features, const DeviceClass& device,
-            const Arguments& arguments, const FeatureLimits& limits) {
+Json checkJson(const assets::Scene& scene, const std::vector<StylusModel>& models,
+               const std::vector<ContactModel>& contact, const Features& features, const DeviceClass& device,
+               const CheckArguments& arguments, const FeatureLimits& limits) {
   Json json;
   json["parts"] = Json::array();
   for (const StylusModel& m : models)
@@ -215,9 +215,9 @@ void printRemarks(const char* what, const std::vector<Feature>& features) {
   }
 }
 
-void print(const assets::Scene& scene, const std::vector<StylusModel>& models,
-           const std::vector<ContactModel>& contact, const Features& features, const DeviceClass& device,
-           const Arguments& arguments, const FeatureLimits& limits) {
+void printCheck(const assets::Scene& scene, const std::vector<StylusModel>& models,
+                const std::vector<ContactModel>& contact, const Features& features, const DeviceClass& device,
+                const CheckArguments& arguments, const FeatureLimits& limits) {
   std::size_t width = 8;
   for (const StylusModel& m : models) width = std::max(width, std::min<std::size_t>(m.name.size(), 40));
   const int w = static_cast<int>(width);
@@ -259,7 +259,7 @@ void print(const assets::Scene& scene, const std::vector<StylusModel>& models,
 }
 
 /// Makes the contact models; without --models only those in the cache.
-void makeModels(haptics::ContactScene& contact, const Arguments& arguments) {
+void makeModels(haptics::ContactScene& contact, const CheckArguments& arguments) {
   if (arguments.models) {
     modelParts(contact, arguments.scene.noCache);
   } else if (!arguments.scene.noCache) {
@@ -270,7 +270,7 @@ void makeModels(haptics::ContactScene& contact, const Arguments& arguments) {
   }
 }
 
-int run(const Arguments& arguments) {
+int runCheck(const CheckArguments& arguments) {
   const DeviceClass* device = findDeviceClass(arguments.device);
   if (!device)
     return badInput(Error{"--device " + arguments.device + ": must be one of " + deviceClassNames()});
@@ -298,16 +298,17 @@ int run(const Arguments& arguments) {
   const Features features{surfaceFeatures(*scene, limits), fieldFeatures(*scene, limits),
                           controlFeatures(*scene, limits)};
   if (arguments.json)
-    std::printf("%s\n", toJson(*scene, models, held, features, *device, arguments, limits).dump(2).c_str());
+    std::printf("%s\n",
+                checkJson(*scene, models, held, features, *device, arguments, limits).dump(2).c_str());
   else
-    print(*scene, models, held, features, *device, arguments, limits);
+    printCheck(*scene, models, held, features, *device, arguments, limits);
   return kExitDone;
 }
 
 }  // namespace
 
 void addCheck(assets::CommandLine& program, int& exitCode) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<CheckArguments>();
   assets::CommandLine command =
       program.command("check", "Say what is wrong with a scene, and how each part will be felt");
   addSceneOptions(command, arguments->scene);
@@ -350,7 +351,7 @@ void addCheck(assets::CommandLine& program, int& exitCode) {
       "      Which parts overlap, touch, or stand nearer than half a millimetre to each other.");
   command.onRun([arguments, &exitCode] {
     arguments->clashes.json = arguments->measures.json = arguments->json;
-    exitCode = run(*arguments);
+    exitCode = runCheck(*arguments);
   });
 }
 

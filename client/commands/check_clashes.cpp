@@ -31,7 +31,7 @@ const char* wordFor(const Clash& clash) {
   return "near";
 }
 
-Json pointJson(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
+Json clashPointJson(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
 
 /// Whether the facets of curved surfaces alone may explain an overlap.
 bool withinFacets(const Clash& clash) {
@@ -67,7 +67,7 @@ std::span<const Clash> worstOf(const ClashReport& report) {
   return {report.clashes.data(), count};
 }
 
-Json toJson(const assets::Scene& scene, const ClashReport& report, double clearance) {
+Json clashesJson(const assets::Scene& scene, const ClashReport& report, double clearance) {
   const Counts counts = countOf(report);
   Json json = {{"clearance_m", clearance},
                {"pairs", report.pairs},
@@ -133,7 +133,7 @@ void printCounts(const assets::Scene& scene, const ClashReport& report, double c
     std::printf("Parts stand in each other like this in the file: who takes one is not pushed out of it.\n");
 }
 
-void print(const assets::Scene& scene, const ClashReport& report, double clearance) {
+void printClashes(const assets::Scene& scene, const ClashReport& report, double clearance) {
   printCounts(scene, report, clearance);
   const std::span<const Clash> worst = worstOf(report);
   if (!worst.empty() && worst.size() < report.clashes.size()) {
@@ -187,9 +187,9 @@ Json clashJson(const assets::Scene& scene, const Clash& clash) {
           {"open", clash.open},
           {"at_least_m", clash.depth},
           {"distance_m", clash.distance},
-          {"deepest_m", clash.kind == ClashKind::hard ? pointJson(clash.deepest) : Json(nullptr)},
-          {"point_a_m", pointJson(clash.onA)},
-          {"point_b_m", pointJson(clash.onB)},
+          {"deepest_m", clash.kind == ClashKind::hard ? clashPointJson(clash.deepest) : Json(nullptr)},
+          {"point_a_m", clashPointJson(clash.onA)},
+          {"point_b_m", clashPointJson(clash.onB)},
           {"facet_sag_m", clash.facetSag},
           {"sheets", clash.sheets},
           {"may_collide", clash.mayCollide}};
@@ -239,9 +239,9 @@ int runClashes(const assets::Scene& scene, const ClashArguments& arguments) {
   if (arguments.all) {
     const ClashReport report = findWithProgress(contact, arguments);
     if (arguments.json)
-      json["clashes"] = toJson(scene, report, arguments.clearance);
+      json["clashes"] = clashesJson(scene, report, arguments.clearance);
     else
-      print(scene, report, arguments.clearance);
+      printClashes(scene, report, arguments.clearance);
   }
   if (arguments.json) std::printf("%s\n", json.dump(2).c_str());
   return kExitDone;

@@ -64,7 +64,7 @@ Json toJson(const MeasuredPair& pair) {
           {"across_m", pair.across ? Json(*pair.across) : Json(nullptr)}};
 }
 
-void print(const assets::Scene& scene, const MeasuredPlace& place) {
+void printMeasured(const assets::Scene& scene, const MeasuredPlace& place) {
   const glm::dvec3 &p = place.point, &n = place.normal;
   std::printf("%s at %.6g %.6g %.6g m\n", scene.parts[place.part].name.c_str(), p.x, p.y, p.z);
   std::printf("  faces %.6f %.6f %.6f\n", n.x, n.y, n.z);
@@ -80,7 +80,7 @@ void print(const assets::Scene& scene, const MeasuredPlace& place) {
                 place.edge->start == place.edge->end ? ", closed" : "");
 }
 
-void print(const MeasuredPlace& a, const MeasuredPlace& b, const MeasuredPair& pair) {
+void printMeasured(const MeasuredPlace& a, const MeasuredPlace& b, const MeasuredPair& pair) {
   std::printf("from one to the other %.4f mm\n", 1e3 * pair.distance);
   const char* between = a.cylinder && b.cylinder   ? "axes"
                         : a.cylinder || b.cylinder ? "axis and face"
@@ -100,7 +100,7 @@ void measureBetween(const haptics::ContactScene& contact, const MeasuredPlace& a
     parts = measurePair(PartClosings(contact), a.part, scene.parts[a.part].worldFromPart, b.part,
                         scene.parts[b.part].worldFromPart);
   if (json == nullptr) {
-    print(a, b, pair);
+    printMeasured(a, b, pair);
     if (parts) printClash(scene, *parts);
     return;
   }
@@ -127,7 +127,7 @@ int runMeasure(const assets::Scene& scene, const MeasureArguments& arguments) {
   if (arguments.json)
     json["places"] = std::move(list);
   else
-    for (const MeasuredPlace& place : places) print(scene, place);
+    for (const MeasuredPlace& place : places) printMeasured(scene, place);
   if (places.size() == 2) measureBetween(contact, places[0], places[1], arguments.json ? &json : nullptr);
   if (arguments.json) std::printf("%s\n", json.dump(2).c_str());
   return kExitDone;

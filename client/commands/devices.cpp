@@ -17,7 +17,7 @@ namespace tandem::client {
 
 namespace {
 
-struct Arguments {
+struct DevicesArguments {
   std::string test, calibrate, out, hidRecord;
   bool rigid = false;
   double seconds = 5.0;
@@ -25,7 +25,7 @@ struct Arguments {
   bool udevRule = false;
 };
 
-int list(const Arguments& arguments) {
+int list(const DevicesArguments& arguments) {
   const std::vector<haptics::DeviceReport> reports = haptics::listDevices();
   if (arguments.json) {
     Json json = Json::array();
@@ -73,7 +73,7 @@ std::string whatToDo(const std::string& name) {
   return "Move it and press its buttons.";
 }
 
-int test(const Arguments& arguments) {
+int test(const DevicesArguments& arguments) {
   std::unique_ptr<haptics::RecordingHidBus> recorder;
   if (!arguments.hidRecord.empty()) {
     auto made = haptics::RecordingHidBus::create(haptics::systemHidBus(), arguments.hidRecord);
@@ -113,7 +113,7 @@ int test(const Arguments& arguments) {
 }
 
 /// Fits a calibration to pairs of points. Prints it, or writes it to a file and prints the residual.
-int calibrate(const Arguments& arguments) {
+int calibrate(const DevicesArguments& arguments) {
   const Result<std::vector<haptics::PointPair>> pairs = haptics::loadPairs(arguments.calibrate);
   if (!pairs) return badInput(pairs.error());
   const Result<haptics::Colocation> found = haptics::colocate(*pairs, !arguments.rigid);
@@ -131,7 +131,7 @@ int calibrate(const Arguments& arguments) {
   return kExitDone;
 }
 
-int run(const Arguments& arguments) {
+int runDevices(const DevicesArguments& arguments) {
   if (!arguments.calibrate.empty()) return calibrate(arguments);
   if (arguments.udevRule) return printUdevRule();
   return arguments.test.empty() ? list(arguments) : test(arguments);
@@ -140,7 +140,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 void addDevices(assets::CommandLine& program, int& exitCode) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<DevicesArguments>();
   assets::CommandLine command =
       program.command("devices", "List the devices that are connected, say why one cannot be opened");
   command.option("--test", arguments->test,
@@ -169,7 +169,7 @@ void addDevices(assets::CommandLine& program, int& exitCode) {
       "  tandem devices --calibrate touched.csv --out desk.json\n"
       "  tandem devices --udev-rule | sudo tee " +
       std::string(haptics::kUdevRulePath));
-  command.onRun([arguments, &exitCode] { exitCode = run(*arguments); });
+  command.onRun([arguments, &exitCode] { exitCode = runDevices(*arguments); });
 }
 
 }  // namespace tandem::client

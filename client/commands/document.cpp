@@ -267,7 +267,7 @@ int DocumentRun::run() {
   return exitCode;
 }
 
-int run(const DocumentArguments& arguments) {
+int runDocument(const DocumentArguments& arguments) {
   const bool imports = arguments.action == "import", finds = arguments.action == "clashes";
   if (!imports && !finds && arguments.action != "export")
     return badInput(Error{"document: " + arguments.action + " is neither export, import nor clashes"});
@@ -321,7 +321,7 @@ void addDocument(assets::CommandLine& program, int& exitCode) {
       "An import adds the entries that the session has not, as yours; it may be repeated. A JSON file "
       "belongs\n"
       "to one scene. Example: tandem document 'tandem://HOST:7480/observer?...' export review.html");
-  command.onRun([arguments, &exitCode] { exitCode = run(*arguments); });
+  command.onRun([arguments, &exitCode] { exitCode = runDocument(*arguments); });
 }
 
 }  // namespace tandem::client

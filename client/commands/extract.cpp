@@ -29,7 +29,7 @@ struct ExtractArguments {
   ExtractionOptions options;
 };
 
-Json toJson(const assets::Scene& scene, const Extraction& extraction) {
+Json extractionJson(const assets::Scene& scene, const Extraction& extraction) {
   const auto vector = [](const glm::dvec3& v) { return Json{v.x, v.y, v.z}; };
   Json way = Json::array(), blockers = Json::array();
   for (const ExtractionLeg& leg : extraction.way)
@@ -79,7 +79,7 @@ ExtractionOrder extractAll(PartExtractor& extractor, std::size_t parts) {
                          [&](double done) { progress.show(done, "trying each part's way out"); });
 }
 
-int run(const ExtractArguments& arguments) {
+int runExtract(const ExtractArguments& arguments) {
   if (arguments.part.empty() != arguments.order)
     return badInput(Error{"extract: name one of --part NAME and --order"});
   for (const std::string& out : {arguments.json, arguments.path})
@@ -119,7 +119,7 @@ int run(const ExtractArguments& arguments) {
   if (arguments.json.empty()) return kExitDone;
   Json order = Json::array(), parts = Json::array();
   for (const PartId id : result.order) order.push(scene->parts[id].name);
-  for (const Extraction& extraction : result.parts) parts.push(toJson(*scene, extraction));
+  for (const Extraction& extraction : result.parts) parts.push(extractionJson(*scene, extraction));
   const Json json = {{"order", order}, {"parts", parts}};
   if (Status written = writeFile(arguments.json, json.dump(2) + "\n"); !written)
     return badInput(written.error());
@@ -155,7 +155,7 @@ void addExtract(assets::CommandLine& program, int& exitCode) {
       "is\n"
       "out or --pulls are spent. All other parts stand still; weight is left out; nothing is unscrewed.\n"
       "Example: tandem extract assets/scenes/filter_change.glb --order");
-  command.onRun([arguments, &exitCode] { exitCode = run(*arguments); });
+  command.onRun([arguments, &exitCode] { exitCode = runExtract(*arguments); });
 }
 
 }  // namespace tandem::client

@@ -488,7 +488,7 @@ class JoinRun {
   bool failed_ = false;
 };
 
-int run(JoinArguments& arguments) {
+int runJoin(JoinArguments& arguments) {
   Result<sync::JoinLink> link = sync::parseJoinLink(arguments.link);
   if (!link) return badInput(Error{link.error().message + " (quote the link: it holds a & sign)"});
   // A link works once, so everything on this side is checked before it is used.
@@ -554,7 +554,7 @@ void addJoin(assets::CommandLine& program, int& exitCode) {
       "In the window F1 shows all keys. Space stops all force.\n"
       "A fault turns force off until C, its button or the signal USR1 clears it.\n"
       "Example: tandem join 'tandem://review.example:7480/participant?token=...&pin=...' --name Ada");
-  command.onRun([arguments, &exitCode] { exitCode = run(*arguments); });
+  command.onRun([arguments, &exitCode] { exitCode = runJoin(*arguments); });
 }
 
 }  // namespace tandem::client

@@ -34,7 +34,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr const char* kNoDevice = "none";
 
-struct Arguments {
+struct ProbeArguments {
   SceneArguments scene;
   std::string path, secondPath, tool = "point", ticks, json, contacts, swept, device = kNoDevice;
   std::vector<std::string> moves, sections;
@@ -107,7 +107,7 @@ Twist twistBetween(const PathRow& from, const PathRow& to, double dt) {
 
 /// The parameters of the ticks. Without a device nothing clamps the force, so that it can be compared with
 /// the exact one; the slew limit on forces that others cause stays on.
-haptics::TickParameters parametersOf(const Arguments& arguments, const DeviceClass* device,
+haptics::TickParameters parametersOf(const ProbeArguments& arguments, const DeviceClass* device,
                                      const assets::Scene& scene) {
   haptics::TickParameters p;
   p.forceLimit = p.torqueLimit = std::numeric_limits<double>::infinity();
@@ -163,7 +163,7 @@ class Probe {
   /// With --ticks it also measures the penetration of the held part, which takes far longer than the ticks.
   Probe(const assets::Scene& scene, const haptics::ContactScene& contact,
         const haptics::TickParameters& parameters, Tool tool, const haptics::Sections& sections,
-        const Arguments& arguments)
+        const ProbeArguments& arguments)
       : scene_(scene),
         contact_(contact),
         state_(contact),
@@ -415,7 +415,7 @@ Json sweptSums(const SweptPath& swept, const assets::Scene& scene) {
   return sums;
 }
 
-Status writeReview(const Probe& probe, const Arguments& arguments) {
+Status writeReview(const Probe& probe, const ProbeArguments& arguments) {
   if (!arguments.contacts.empty())
     if (Status written = writeFile(arguments.contacts, probe.log().csv()); !written) return written;
   if (probe.swept() == nullptr) return {};
@@ -434,7 +434,7 @@ void printReview(const Probe& probe, const assets::Scene& scene) {
               1e3 * least.distance, scene.parts[least.part].name.c_str());
 }
 
-Status checkOptions(const Arguments& arguments, SectionSet& cut) {
+Status checkOptions(const ProbeArguments& arguments, SectionSet& cut) {
   for (const std::string& out : {arguments.ticks, arguments.json, arguments.contacts, arguments.swept})
     if (Status free = writable(out); !free) return free;
   return cut.addAll(arguments.sections);
@@ -444,7 +444,7 @@ double milliseconds(Clock::time_point from) {
   return std::chrono::duration<double, std::milli>(Clock::now() - from).count();
 }
 
-int run(const Arguments& arguments) {
+int runProbe(const ProbeArguments& arguments) {
   SectionSet cut;
   if (Status good = checkOptions(arguments, cut); !good) return badInput(good.error());
   const DeviceClass* device = findDeviceClass(arguments.device);
@@ -518,7 +518,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 void addProbe(assets::CommandLine& program, int& exitCode) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ProbeArguments>();
   assets::CommandLine command =
       program.command("probe", "Run the haptic tick over a scripted device path, without a network");
   addSceneOptions(command, arguments->scene);
@@ -578,7 +578,7 @@ void addProbe(assets::CommandLine& program, int& exitCode) {
   command.footer(
       "Exit code 1: a tick used the heap.\nExample: tandem probe assets/scenes/pump.glb --path stroke.csv "
       "--ticks ticks.csv --json probe.json");
-  command.onRun([arguments, &exitCode] { exitCode = run(*arguments); });
+  command.onRun([arguments, &exitCode] { exitCode = runProbe(*arguments); });
 }
 
 }  // namespace tandem::client

@@ -24,7 +24,7 @@ namespace tandem::client {
 
 namespace {
 
-struct Arguments {
+struct ReplayArguments {
   std::string recording, scenePath, units = "m", screenshot, json, forces, cache;
   std::vector<std::string> movable;
   bool headless = false;
@@ -212,7 +212,7 @@ Summary summarise(const Recording& recording, const assets::Scene& scene) {
   return summary;
 }
 
-Json toJson(const Recording& recording, const Summary& summary) {
+Json recordingJson(const Recording& recording, const Summary& summary) {
   Json json;
   json["duration_s"] = recording.duration;
   json["entries"] = recording.entries.size();
@@ -249,7 +249,7 @@ std::string forcesCsv(const Recording& recording) {
   return csv;
 }
 
-void print(const Recording& recording, const Summary& summary) {
+void printRecording(const Recording& recording, const Summary& summary) {
   std::printf("%.1f s, %zu people, %d grants, %d denials sent to whoever recorded\n", recording.duration,
               summary.sites.size(), summary.grants, summary.denials);
   for (const auto& [id, site] : summary.sites)
@@ -258,7 +258,7 @@ void print(const Recording& recording, const Summary& summary) {
                 site.grants == 1 ? "" : "s", threeDigits(site.largestForce).c_str());
 }
 
-Result<assets::Scene> sceneOf(const Arguments& arguments, const Recording& recording) {
+Result<assets::Scene> sceneOf(const ReplayArguments& arguments, const Recording& recording) {
   if (!arguments.scenePath.empty()) {
     SceneArguments scene;
     scene.path = arguments.scenePath;
@@ -293,7 +293,7 @@ int playInWindow(Playback& playback) {
   }
 }
 
-int run(const Arguments& arguments) {
+int runReplay(const ReplayArguments& arguments) {
   for (const std::string& path : {arguments.json, arguments.forces, arguments.screenshot})
     if (Status free = writable(path); !free) return badInput(free.error());
   Result<Recording> recording = readRecording(arguments.recording);
@@ -308,7 +308,8 @@ int run(const Arguments& arguments) {
   if (!scene) return badInput(scene.error());
   const Summary summary = summarise(*recording, *scene);
   if (!arguments.json.empty())
-    if (Status written = writeFile(arguments.json, toJson(*recording, summary).dump(2) + "\n"); !written)
+    if (Status written = writeFile(arguments.json, recordingJson(*recording, summary).dump(2) + "\n");
+        !written)
       return badInput(written.error());
   if (!arguments.forces.empty())
     if (Status written = writeFile(arguments.forces, forcesCsv(*recording)); !written)
@@ -330,7 +331,7 @@ int run(const Arguments& arguments) {
     std::printf("picture of %.1f s: %s\n", playback.model().time, arguments.screenshot.c_str());
   }
   if (arguments.headless || !displayPresent()) {
-    print(*recording, summary);
+    printRecording(*recording, summary);
     return kExitDone;
   }
   return playInWindow(playback);
@@ -339,7 +340,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 void addReplay(assets::CommandLine& program, int& exitCode) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ReplayArguments>();
   assets::CommandLine command = program.command("replay", "Show a recorded session again, with its forces");
   command
       .option("recording", arguments->recording, "File of 'tandem join --record' or 'tandem-server --record'")
@@ -359,7 +360,7 @@ void addReplay(assets::CommandLine& program, int& exitCode) {
   command.footer(
       "With a window P plays and pauses; Follow beside a name shows what that person saw.\n"
       "Example: tandem replay review.rec --at 12.5 --screenshot review.png --headless");
-  command.onRun([arguments, &exitCode] { exitCode = run(*arguments); });
+  command.onRun([arguments, &exitCode] { exitCode = runReplay(*arguments); });
 }
 
 }  // namespace tandem::client

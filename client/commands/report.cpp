@@ -20,7 +20,7 @@
 namespace tandem::client {
 namespace {
 
-struct Arguments {
+struct ReportArguments {
   std::string out = "report.html", json, peers;
   std::vector<std::string> scenes, models;
   int strokes = 0;
@@ -47,7 +47,7 @@ Status knownScenes(const std::vector<std::string>& scenes) {
   return {};
 }
 
-Status loadModels(const Arguments& arguments, report::SweepOptions& options) {
+Status loadModels(const ReportArguments& arguments, report::SweepOptions& options) {
   for (const std::string& path : arguments.models) {
     SceneArguments file;
     file.path = path;
@@ -93,7 +93,7 @@ void printPresses(const report::SweepResult& result) {
                     m.figures.forceChange.p99);
 }
 
-void printSummary(const report::SweepResult& result) {
+void printSweep(const report::SweepResult& result) {
   if (!result.links.empty()) printLinks(result);
   for (const report::StrokeResult& e : result.strokes)
     for (const report::StrokeMeasurement& m : e.settings)
@@ -118,7 +118,7 @@ void printSummary(const report::SweepResult& result) {
                     m.cost.max, 1e6 * m.depth.max, m.error.p99);
 }
 
-int run(const Arguments& arguments) {
+int runReport(const ReportArguments& arguments) {
   for (const std::string& out : {arguments.out, arguments.json})
     if (Status free = writable(out); !free) return badInput(free.error());
   if (Status known = knownScenes(arguments.scenes); !known) return badInput(known.error());
@@ -151,7 +151,7 @@ int run(const Arguments& arguments) {
     if (Status written = writeFile(arguments.json, json); !written) return badInput(written.error());
   if (Status written = writeFile(arguments.out, report::htmlPage(result, json)); !written)
     return badInput(written.error());
-  printSummary(result);
+  printSweep(result);
   std::fprintf(stderr, "written: %s\n", arguments.out.c_str());
   if (allocationsOf(result) == 0) return kExitDone;
   std::fprintf(stderr, "tandem: a tick used the heap\n");
@@ -161,7 +161,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 void addReport(assets::CommandLine& program, int& exitCode) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ReportArguments>();
   assets::CommandLine command =
       program.command("report",
                       "Measure cost and error of the haptic tick on scenes with exact "
@@ -191,7 +191,7 @@ void addReport(assets::CommandLine& program, int& exitCode) {
                  "\nExit code 1: a tick used the heap, or the peers' program failed.\n"
                  "Figures mean little on a busy machine: let nothing else run.\n"
                  "Example: tandem report --quick --out report.html --json report.json");
-  command.onRun([arguments, &exitCode] { exitCode = run(*arguments); });
+  command.onRun([arguments, &exitCode] { exitCode = runReport(*arguments); });
 }
 
 }  // namespace tandem::client

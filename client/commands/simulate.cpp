@@ -13,7 +13,7 @@ namespace tandem::client {
 
 namespace {
 
-struct Arguments {
+struct SimulateArguments {
   std::string scenario, json;
   SimulationOptions options;
   bool quiet = false, noPartContact = false, protocol = false;
@@ -49,7 +49,7 @@ void printSummary(const SimulationResult& result) {
 }
 
 /// The session without haptics, for the rules of the protocol alone.
-int runProtocol(const Arguments& arguments, const Scenario& scenario, const assets::Scene& scene) {
+int runProtocol(const SimulateArguments& arguments, const Scenario& scenario, const assets::Scene& scene) {
   ProtocolSimulation simulation(scene);
   const Result<ProtocolResult> result = simulation.run(scenario, arguments.options.seed);
   if (!result) return badInput(result.error());
@@ -66,7 +66,7 @@ int runProtocol(const Arguments& arguments, const Scenario& scenario, const asse
   return result->violations.empty() ? kExitDone : kExitFailed;
 }
 
-int run(const Arguments& arguments) {
+int runSimulate(const SimulateArguments& arguments) {
   for (const std::string& path : {arguments.json, arguments.options.tracePath})
     if (Status free = writable(path); !free) return badInput(free.error());
   Result<Scenario> scenario = loadScenario(arguments.scenario);
@@ -92,7 +92,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 void addSimulate(assets::CommandLine& program, int& exitCode) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<SimulateArguments>();
   assets::CommandLine command = program.command(
       "simulate", "Run a whole session - server, sites, arms, network, faults - on virtual time");
   command
@@ -119,7 +119,7 @@ void addSimulate(assets::CommandLine& program, int& exitCode) {
       "The same scenario and seed give the same result, to the bit.\n"
       "Exit code 1: the run was not stable, or a rule of the protocol (sync/README.md) was broken.\n"
       "Example: tandem simulate tests/simulation/scenarios/hand_over.json --seed 7 --json out.json");
-  command.onRun([arguments, &exitCode] { exitCode = run(*arguments); });
+  command.onRun([arguments, &exitCode] { exitCode = runSimulate(*arguments); });
 }
 
 }  // namespace tandem::client

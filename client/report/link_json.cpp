@@ -8,7 +8,7 @@
 namespace tandem::client::report {
 namespace {
 
-const char* nameOf(Architecture architecture) {
+const char* architectureKey(Architecture architecture) {
   switch (architecture) {
     case Architecture::link:
       return "link";
@@ -26,12 +26,13 @@ const char* nameOf(Architecture architecture) {
 
 /// A figure as JSON; null if the run diverged, because its values are meaningless.
 Json figure(const LinkMeasurement& m, double value) {
-  return number(m.diverged ? std::numeric_limits<double>::quiet_NaN() : value);
+  return numberJson(m.diverged ? std::numeric_limits<double>::quiet_NaN() : value);
 }
 
-Json settingJson(const LinkMeasurement& m) {
+Json linkSettingJson(const LinkMeasurement& m) {
   const LinkSetting& s = m.setting;
-  Json json = {{"id", s.id}, {"name", s.name}, {"architecture", nameOf(s.architecture)}, {"in_use", s.inUse}};
+  Json json = {
+      {"id", s.id}, {"name", s.name}, {"architecture", architectureKey(s.architecture)}, {"in_use", s.inUse}};
   json["packet_hz"] = s.packetHz;
   if (s.architecture == Architecture::link) {
     json["margin_s"] = s.margin;
@@ -43,7 +44,7 @@ Json settingJson(const LinkMeasurement& m) {
   }
   json["stable"] = m.stable();
   json["diverged"] = m.diverged;
-  json["created_j"] = number(m.created);
+  json["created_j"] = numberJson(m.created);
   json["rest_m"] = figure(m, m.rest);
   json["apart_m"] = {{"rms", figure(m, m.apart)}, {"max", figure(m, m.maxApart)}};
   json["off_grip_m"] = figure(m, m.offGrip);
@@ -52,8 +53,8 @@ Json settingJson(const LinkMeasurement& m) {
   json["leader_force_ratio"] = figure(m, m.load);
   json["change_n"] = figure(m, m.change);
   json["play_out_s"] = figure(m, m.playOut);
-  json["bytes_per_s"] = number(m.bytes);
-  json["tick_cost"] = number(m.cost);
+  json["bytes_per_s"] = numberJson(m.bytes);
+  json["tick_cost"] = numberJson(m.cost);
   return json;
 }
 
@@ -66,7 +67,7 @@ Json linkExperimentJson(const LinkExperimentResult& e) {
                {"one_way_s", e.delay},
                {"seeds", e.seeds}};
   json["settings"] = Json::array();
-  for (const LinkMeasurement& m : e.settings) json["settings"].push(settingJson(m));
+  for (const LinkMeasurement& m : e.settings) json["settings"].push(linkSettingJson(m));
   return json;
 }
 

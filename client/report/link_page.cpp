@@ -79,7 +79,7 @@ std::string whyUnstable(const LinkMeasurement& m) {
   return "does not come to rest";
 }
 
-std::string tooltip(const LinkExperimentResult& e, const LinkMeasurement& m) {
+std::string linkTooltip(const LinkExperimentResult& e, const LinkMeasurement& m) {
   const std::string knobs = knobsOf(m.setting);
   std::string text = (isLink(m) ? std::string("coordination link") : m.setting.name) +
                      (knobs.empty() ? "" : " (" + knobs + ")") + ", " + number(1e3 * e.delay) +
@@ -100,7 +100,7 @@ void put(Panel& panel, const SeriesStyle& style, bool joined, const PlotPoint& p
 }
 
 PlotPoint pointOf(const LinkExperimentResult& e, const LinkMeasurement& m, double x, double y) {
-  return {x, y, "", tooltip(e, m), false};
+  return {x, y, "", linkTooltip(e, m), false};
 }
 
 /// A measure of every architecture over the delay.
@@ -160,14 +160,14 @@ void putLines(const LinkExperimentResult& e, const Lines& lines, const Measure& 
 }
 
 /// The delays with more settings of the link than the one in use.
-std::vector<const LinkExperimentResult*> turned(const SweepResult& result) {
+std::vector<const LinkExperimentResult*> turnedLinks(const SweepResult& result) {
   std::vector<const LinkExperimentResult*> found;
   for (const LinkExperimentResult& e : result.links)
     if (std::count_if(e.settings.begin(), e.settings.end(), isLink) > 1) found.push_back(&e);
   return found;
 }
 
-double usedImpedance(const LinkExperimentResult& e) {
+double impedanceInUse(const LinkExperimentResult& e) {
   for (const LinkMeasurement& m : e.settings)
     if (m.setting.inUse) return m.setting.impedance;
   return 0.0;
@@ -176,9 +176,9 @@ double usedImpedance(const LinkExperimentResult& e) {
 /// Bytes against the distance of the sites: a line an impedance, along it the packet rate.
 std::string rateFigure(const SweepResult& result) {
   std::vector<Panel> panels;
-  for (const LinkExperimentResult* e : turned(result)) {
+  for (const LinkExperimentResult* e : turnedLinks(result)) {
     Panel panel{delayInWords(*e), "kB/s each way", kApartLabel, kLeastApart, {}, {}};
-    const double used = usedImpedance(*e);
+    const double used = impedanceInUse(*e);
     putLines(*e,
              {[](const LinkMeasurement& m) { return m.setting.margin == 0.0; },
               [](const LinkMeasurement& m) {
@@ -201,7 +201,7 @@ std::string impedanceFigure(const SweepResult& result) {
     return margin < -0.007 ? "#8a2f6b" : margin < 0.0 ? "#c9590b" : margin < 0.005 ? "#0b6e99" : "#4f7d3a";
   };
   std::vector<Panel> panels;
-  for (const LinkExperimentResult* e : turned(result)) {
+  for (const LinkExperimentResult* e : turnedLinks(result)) {
     Panel panel{delayInWords(*e), kLoadLabel, kHandToHandLabel, kLeastStiffness, {}, {}};
     const auto style = [&](const LinkMeasurement& m) {
       return SeriesStyle{"link, margin " + signedMilliseconds(m.setting.margin) + " ms",
@@ -233,8 +233,8 @@ std::string marginFigure(const SweepResult& result) {
   Panel apart{"Distance", "played out late by, ms", kApartLabel, kLeastApart, {}, {}};
   Panel stiffness{"Stiffness", "played out late by, ms", kHandToHandLabel, kLeastStiffness, {}, {}};
   Panel cost{"Load", "packets a second", "tick of an end, × held step", 0.01, {}, {}};
-  for (const LinkExperimentResult* e : turned(result)) {
-    const double used = usedImpedance(*e);
+  for (const LinkExperimentResult* e : turnedLinks(result)) {
+    const double used = impedanceInUse(*e);
     const auto style = [&](const LinkMeasurement&) { return styleOfDelay(e->delay); };
     const Lines alongMargin{
         [&](const LinkMeasurement& m) { return m.setting.packetHz == 250.0 && m.setting.impedance == used; },
@@ -246,7 +246,7 @@ std::string marginFigure(const SweepResult& result) {
                       [](const LinkMeasurement&) { return std::string(); }};
     putLines(*e, timed, kPackets, kCost, cost);
   }
-  if (!turned(result).empty()) putRivals(*turned(result).front(), kPackets, kCost, cost);
+  if (!turnedLinks(result).empty()) putRivals(*turnedLinks(result).front(), kPackets, kCost, cost);
   return "<figure>" + panelsSvg({change, apart, stiffness, cost}) + "</figure>\n";
 }
 
@@ -287,7 +287,7 @@ std::string rowOf(const LinkMeasurement& m) {
          "</td></tr>\n";
 }
 
-std::string tableOf(const LinkExperimentResult& e, const Chosen& shown) {
+std::string linkTable(const LinkExperimentResult& e, const Chosen& shown) {
   std::string html =
       "<div class=\"wide\"><table><thead><tr><th>tied by</th><th>Hz</th><th>margin,<br>ms</th><th>b, or K; "
       "B</th><th>apart<br>rms, mm</th>"
@@ -303,9 +303,9 @@ std::string tablesOf(const SweepResult& result) {
   std::string html;
   for (const LinkExperimentResult& e : result.links) {
     html += "<h3>" + escaped(e.info.title) + "</h3>\n" +
-            tableOf(e, [](const LinkMeasurement& m) { return !isLink(m) || m.setting.inUse; });
+            linkTable(e, [](const LinkMeasurement& m) { return !isLink(m) || m.setting.inUse; });
     if (std::count_if(e.settings.begin(), e.settings.end(), isLink) > 1)
-      html += "<details><summary>Every packet rate, margin and impedance</summary>\n" + tableOf(e, isLink) +
+      html += "<details><summary>Every packet rate, margin and impedance</summary>\n" + linkTable(e, isLink) +
               "</details>\n";
   }
   return html;
@@ -351,7 +351,7 @@ more, and take of the leader at most twice the force without a network. Where no
 tried are shown. What is unstable stands as a cross above its plot.</p>
 )";
 
-std::string introduction(const SweepResult& result) {
+std::string linkIntroduction(const SweepResult& result) {
   const int seeds = result.links.front().seeds;
   return R"(<h2>Across the network</h2>
 <p>Two people hold one part of 1 kg, each at their own site, with 20 % jitter and 2 % loss between them;
@@ -387,8 +387,8 @@ std::string delayInWords(const LinkExperimentResult& e) { return number(1e3 * e.
 
 std::string linkSection(const SweepResult& result) {
   if (result.links.empty()) return "";
-  std::string html = introduction(result) + kAboutDelay + delayFigure(result);
-  if (!turned(result).empty())
+  std::string html = linkIntroduction(result) + kAboutDelay + delayFigure(result);
+  if (!turnedLinks(result).empty())
     html += kAboutRate + rateFigure(result) + kAboutImpedance + impedanceFigure(result) + kAboutMargin +
             marginFigure(result);
   return html + tablesOf(result);

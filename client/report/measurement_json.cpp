@@ -6,7 +6,7 @@
 
 namespace tandem::client::report {
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json numberJson(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 const char* nameOf(Kind kind) {
   switch (kind) {
@@ -21,17 +21,18 @@ const char* nameOf(Kind kind) {
 }
 
 void putCost(Json& setting, const Cost& cost) {
-  setting["cost_us"] = {{"p50", number(cost.p50)},
-                        {"p99", number(cost.p99)},
-                        {"max", number(cost.max)},
-                        {"p99_single_run", number(cost.p99Single)}};
+  setting["cost_us"] = {{"p50", numberJson(cost.p50)},
+                        {"p99", numberJson(cost.p99)},
+                        {"max", numberJson(cost.max)},
+                        {"p99_single_run", numberJson(cost.p99Single)}};
 }
 
 void putError(Json& setting, const ForceError& error) {
-  setting["error_n"] = {{"rms", number(error.rms)}, {"p99", number(error.p99)}, {"max", number(error.max)}};
-  setting["error_share"] = {{"rms", number(error.relativeRms)},
-                            {"p99", number(error.relativeP99)},
-                            {"max", number(error.relativeMax)}};
+  setting["error_n"] = {
+      {"rms", numberJson(error.rms)}, {"p99", numberJson(error.p99)}, {"max", numberJson(error.max)}};
+  setting["error_share"] = {{"rms", numberJson(error.relativeRms)},
+                            {"p99", numberJson(error.relativeP99)},
+                            {"max", numberJson(error.relativeMax)}};
 }
 
 double measure(const Json& object, const char* key) {

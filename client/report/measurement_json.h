@@ -8,7 +8,7 @@
 namespace tandem::client::report {
 
 /// null where it is not finite.
-Json number(double value);
+Json numberJson(double value);
 const char* nameOf(Kind kind);
 
 /// Puts `cost_us` into the object of a setting, and `error_n` and `error_share`.

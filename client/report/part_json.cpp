@@ -7,20 +7,20 @@ namespace tandem::client::report {
 namespace {
 
 Json spreadJson(const Spread& s) {
-  return {{"p50", number(s.p50)}, {"p99", number(s.p99)}, {"max", number(s.max)}};
+  return {{"p50", numberJson(s.p50)}, {"p99", numberJson(s.p99)}, {"max", numberJson(s.max)}};
 }
 
 Json manifoldJson(const std::vector<ManifoldBin>& bins) {
   Json json = Json::array();
   for (const ManifoldBin& bin : bins)
-    json.push({{"rows", number(bin.rows)},
+    json.push({{"rows", numberJson(bin.rows)},
                {"ticks", bin.ticks},
-               {"cost_us", {{"p50", number(bin.p50)}, {"p99", number(bin.p99)}}}});
+               {"cost_us", {{"p50", numberJson(bin.p50)}, {"p99", numberJson(bin.p99)}}}});
   return json;
 }
 
 /// `exact`: an exact force is known.
-Json settingJson(const PartMeasurement& m, bool exact) {
+Json partSettingJson(const PartMeasurement& m, bool exact) {
   Json json = {{"id", m.setting}, {"name", m.name}, {"kind", nameOf(m.kind)}};
   json["field_scale"] = m.fieldScale;
   json["sample_scale"] = m.sampleScale;
@@ -35,11 +35,11 @@ Json settingJson(const PartMeasurement& m, bool exact) {
     putError(json, m.error);
     json["force_step_n"] = spreadJson(m.forceStep);
     json["normal_step_rad"] = spreadJson(m.normalStep);
-    json["found_share"] = number(m.found);
+    json["found_share"] = numberJson(m.found);
   }
-  json["cell_m"] = number(m.cell);
-  json["spacing_m"] = number(m.spacing);
-  json["build_ms"] = number(m.build_ms);
+  json["cell_m"] = numberJson(m.cell);
+  json["spacing_m"] = numberJson(m.spacing);
+  json["build_ms"] = numberJson(m.build_ms);
   json["memory_bytes"] = m.memory;
   json["allocations"] = m.allocationsCounted ? Json(m.allocations) : Json(nullptr);
   json["by_active_rows"] = manifoldJson(m.active);
@@ -59,10 +59,10 @@ Json partExperimentJson(const PartExperimentResult& e) {
                {"about", e.info.about},
                {"triangles", e.triangles},
                {"ticks", e.ticks},
-               {"peak_force_n", number(e.peakForce)},
-               {"asked_penetration_m", number(e.targetDepth)}};
+               {"peak_force_n", numberJson(e.peakForce)},
+               {"asked_penetration_m", numberJson(e.targetDepth)}};
   json["settings"] = Json::array();
-  for (const PartMeasurement& m : e.settings) json["settings"].push(settingJson(m, true));
+  for (const PartMeasurement& m : e.settings) json["settings"].push(partSettingJson(m, true));
   return json;
 }
 
@@ -74,10 +74,10 @@ Json pressJson(const PressResult& e) {
                {"least_triangles", e.leastTriangles},
                {"most_triangles", e.mostTriangles},
                {"ticks", e.ticks},
-               {"asked_penetration_m", number(e.targetDepth)}};
+               {"asked_penetration_m", numberJson(e.targetDepth)}};
   json["settings"] = Json::array();
   for (const PressMeasurement& m : e.settings) {
-    Json setting = settingJson(m.figures, false);
+    Json setting = partSettingJson(m.figures, false);
     setting["presses_beyond"] = m.beyond;
     json["settings"].push(std::move(setting));
   }

@@ -12,7 +12,7 @@
 namespace tandem::client::report {
 namespace {
 
-constexpr double kShownDepth = 1e-3, kShownForce = 1e-6;  // um, N: the floors of the axes
+constexpr double kLeastDepth = 1e-3, kLeastForce = 1e-6;  // um, N: the floors of the axes
 
 std::string degrees(double radians) {
   const double value = radians * 180.0 / std::numbers::pi;
@@ -21,7 +21,7 @@ std::string degrees(double radians) {
 
 /// Settings with the same fields form one line, from dense to sparse samples. Settings with fewer steps or
 /// queries form a line of their own.
-SeriesStyle styleOf(const PartMeasurement& m) {
+SeriesStyle partStyle(const PartMeasurement& m) {
   static const std::map<std::string, std::string> kPeers = {
       {"fcl", "#4f7d3a"}, {"bullet", "#6a4c93"}, {"ode", "#ab3545"}};
   if (m.kind == Kind::peer) {
@@ -42,7 +42,7 @@ SeriesStyle styleOf(const PartMeasurement& m) {
   return {fields, colour, Marker::circle, false, 1.0};
 }
 
-std::string tooltip(const PartMeasurement& m) {
+std::string partTooltip(const PartMeasurement& m) {
   return m.name + ": " + microseconds(m.cost.p50) + " p50, " + microseconds(m.cost.p99) + " p99; " +
          (m.kind == Kind::peer ? "error of depth " : "penetration ") + metres(m.depth.max) +
          "; error of force " + newtons(m.error.p99) + " p99";
@@ -87,8 +87,8 @@ std::vector<const PartMeasurement*> inDrawingOrder(const PartExperimentResult& e
 
 /// A plot of `costOf` against `errorOf` of every setting.
 template <typename CostOf, typename ErrorOf>
-std::string plotOf(const PartExperimentResult& e, const char* whichCost, const std::string& yLabel,
-                   double floor, CostOf costOf, ErrorOf errorOf) {
+std::string partPlot(const PartExperimentResult& e, const char* whichCost, const std::string& yLabel,
+                     double floor, CostOf costOf, ErrorOf errorOf) {
   ScatterPlot plot;
   plot.xLabel = std::string("cost of a tick (peers: of the query alone), ") + whichCost + ", µs";
   plot.yLabel = yLabel;
@@ -104,7 +104,7 @@ std::string plotOf(const PartExperimentResult& e, const char* whichCost, const s
                        [&](const PlotPoint& p) { return p.x == x && p.y == std::max(y, floor); });
   };
   for (const PartMeasurement* m : inDrawingOrder(e)) {
-    const SeriesStyle style = styleOf(*m);
+    const SeriesStyle style = partStyle(*m);
     auto series = std::find_if(plot.series.begin(), plot.series.end(),
                                [&](const PlotSeries& s) { return s.style.name == style.name; });
     if (series == plot.series.end()) {
@@ -114,18 +114,18 @@ std::string plotOf(const PartExperimentResult& e, const char* whichCost, const s
     const double cost = costOf(*m), error = errorOf(*m);
     std::string label = labelOf(*m);
     if (label.empty() && m->kind == Kind::tandem && onFront(cost, error)) label = shortName(*m);
-    series->points.push_back({cost, error, label, tooltip(*m), m->setting == "tandem"});
+    series->points.push_back({cost, error, label, partTooltip(*m), m->setting == "tandem"});
   }
   return "<figure>" + scatterSvg(plot) + "</figure>\n";
 }
 
 /// Both errors against one cost.
 template <typename CostOf>
-std::string plotsOf(const PartExperimentResult& e, const char* whichCost, CostOf costOf) {
-  return plotOf(e, whichCost, "penetration (peers: error of the depth), largest, µm", kShownDepth, costOf,
-                [](const PartMeasurement& m) { return 1e6 * m.depth.max; }) +
-         plotOf(e, whichCost, "error of the force, 99th percentile, N", kShownForce, costOf,
-                [](const PartMeasurement& m) { return m.error.p99; });
+std::string partPlots(const PartExperimentResult& e, const char* whichCost, CostOf costOf) {
+  return partPlot(e, whichCost, "penetration (peers: error of the depth), largest, µm", kLeastDepth, costOf,
+                  [](const PartMeasurement& m) { return 1e6 * m.depth.max; }) +
+         partPlot(e, whichCost, "error of the force, 99th percentile, N", kLeastForce, costOf,
+                  [](const PartMeasurement& m) { return m.error.p99; });
 }
 
 /// "x 2"; a dash for peers.
@@ -137,7 +137,7 @@ std::string unlessPeer(const PartMeasurement& m, const std::string& text) {
   return m.kind == Kind::peer ? "–" : text;
 }
 
-std::string tableOf(const PartExperimentResult& e) {
+std::string partTable(const PartExperimentResult& e) {
   std::string html =
       "<div class=\"wide\"><table><thead><tr><th>method</th><th>fields</th><th>samples</th><th>steps</th>"
       "<th>queries</th><th>refined</th>"
@@ -189,10 +189,10 @@ std::string sectionOf(const PartExperimentResult& e) {
   return "<h3>" + escaped(e.info.title) + "</h3>\n<p>" + escaped(e.info.about) + " " +
          std::to_string(e.triangles) + " triangles; the exact force is " + newtons(e.peakForce) +
          " at most." + lengthsInWords(e) + "</p>\n" + contactsInWords(e) +
-         plotsOf(e, "99th percentile", [](const PartMeasurement& m) { return m.cost.p99; }) +
+         partPlots(e, "99th percentile", [](const PartMeasurement& m) { return m.cost.p99; }) +
          "<details><summary>The same against the median cost</summary>\n" +
-         plotsOf(e, "median", [](const PartMeasurement& m) { return m.cost.p50; }) + "</details>\n" +
-         "<details><summary>All figures</summary>\n" + tableOf(e) + "</details>\n";
+         partPlots(e, "median", [](const PartMeasurement& m) { return m.cost.p50; }) + "</details>\n" +
+         "<details><summary>All figures</summary>\n" + partTable(e) + "</details>\n";
 }
 
 bool measuredBy(const SweepResult& result, const std::string& setting) {

@@ -25,7 +25,7 @@ constexpr int kDepthEvery = 7, kLarge = 9'000;
 constexpr int kFewQueries = 30;
 
 /// The experiment's coupling, without any limit that would hide the effect of contact.
-haptics::TickParameters parametersOf(const PartExperiment& e, const haptics::ContactEffort& effort) {
+haptics::TickParameters partParameters(const PartExperiment& e, const haptics::ContactEffort& effort) {
   haptics::TickParameters p;
   p.effort = effort;
   p.effort.taking = haptics::ContactEffort::kTakeAtOnce;
@@ -53,7 +53,7 @@ class PartRun {
       : experiment_(experiment),
         contact_(contact),
         allocations_(counter),
-        parameters_(parametersOf(experiment, effort)),
+        parameters_(partParameters(experiment, effort)),
         state_(contact) {}
 
   /// `meter` may be null: then no depth is measured.

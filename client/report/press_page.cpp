@@ -20,7 +20,7 @@ SeriesStyle familyStyle(const PressResult& e, const PressResult& first, bool sam
           samplesAlone ? Marker::square : Marker::circle, samplesAlone, 1.0};
 }
 
-std::string tooltip(const PressResult& e, const PartMeasurement& m) {
+std::string pressTooltip(const PressResult& e, const PartMeasurement& m) {
   return e.info.title + ", " + m.name + ": " + microseconds(m.cost.p50) + " p50, " +
          microseconds(m.cost.p99) + " p99; penetration " + metres(m.depth.max) + "; change of force " +
          newtons(m.forceChange.p99) + " p99, " + newtons(m.forceChange.max) + " at most";
@@ -38,13 +38,13 @@ std::vector<const PartMeasurement*> byDensity(const std::vector<const PartMeasur
   return chosen;
 }
 
-std::vector<const PartMeasurement*> settingsOf(const PressResult& e) {
+std::vector<const PartMeasurement*> measurementsOf(const PressResult& e) {
   std::vector<const PartMeasurement*> all;
   for (const PressMeasurement& m : e.settings) all.push_back(&m.figures);
   return all;
 }
 
-std::vector<const PartMeasurement*> settingsOf(const PartExperimentResult& e) {
+std::vector<const PartMeasurement*> measurementsOf(const PartExperimentResult& e) {
   std::vector<const PartMeasurement*> all;
   for (const PartMeasurement& m : e.settings) all.push_back(&m);
   return all;
@@ -52,28 +52,29 @@ std::vector<const PartMeasurement*> settingsOf(const PartExperimentResult& e) {
 
 /// Cost against a figure: a line a family from dense to sparse samples, and what the samples alone give.
 template <typename FigureOf>
-std::string plotOf(const std::vector<PressResult>& presses, const std::string& yLabel, double floor,
-                   FigureOf figureOf) {
+std::string pressPlot(const std::vector<PressResult>& presses, const std::string& yLabel, double floor,
+                      FigureOf figureOf) {
   ScatterPlot plot;
   plot.xLabel = "cost of a tick, 99th percentile, µs";
   plot.yLabel = yLabel;
   plot.floorY = floor;
   for (const PressResult& e : presses) {
     PlotSeries line{familyStyle(e, presses.front(), false), {}, true};
-    for (const PartMeasurement* m : byDensity(settingsOf(e)))
+    for (const PartMeasurement* m : byDensity(measurementsOf(e)))
       line.points.push_back({m->cost.p99, figureOf(*m),
-                             m->sampleScale == 1.0 ? "as used" : "s" + number(m->sampleScale), tooltip(e, *m),
-                             m->sampleScale == 1.0});
+                             m->sampleScale == 1.0 ? "as used" : "s" + number(m->sampleScale),
+                             pressTooltip(e, *m), m->sampleScale == 1.0});
     plot.series.push_back(std::move(line));
     PlotSeries alone{familyStyle(e, presses.front(), true), {}, false};
-    for (const PartMeasurement* m : settingsOf(e))
-      if (!m->effort.descend) alone.points.push_back({m->cost.p99, figureOf(*m), "", tooltip(e, *m), false});
+    for (const PartMeasurement* m : measurementsOf(e))
+      if (!m->effort.descend)
+        alone.points.push_back({m->cost.p99, figureOf(*m), "", pressTooltip(e, *m), false});
     plot.series.push_back(std::move(alone));
   }
   return "<figure>" + scatterSvg(plot) + "</figure>\n";
 }
 
-std::string tableOf(const PressResult& e) {
+std::string pressTable(const PressResult& e) {
   std::string html = "<h3>" + escaped(e.info.title) + "</h3>\n<p class=\"quiet\">" + escaped(e.info.about) +
                      " " + std::to_string(e.presses) + " presses of pairs of " +
                      std::to_string(e.leastTriangles) + " to " + std::to_string(e.mostTriangles) +
@@ -112,7 +113,7 @@ void addScene(const Result& e, Marker marker, std::vector<HeldScene>& scenes) {
                                          "#c9730b", "#ab3545", "#8a2f6b"};
   HeldScene& scene = scenes.emplace_back();
   scene.style = {e.info.title, kColours[(scenes.size() - 1) % std::size(kColours)], marker, false, 0.8};
-  scene.settings = byDensity(settingsOf(e));
+  scene.settings = byDensity(measurementsOf(e));
   for (const PartMeasurement* m : scene.settings)
     if (m->sampleScale == 1.0) scene.used = m;
 }
@@ -168,12 +169,12 @@ std::string pressSection(const SweepResult& result) {
       "become sparser (s4: four times as far apart as they are used); squares are the control, at the "
       "samples "
       "alone: no sample goes to the deepest place near it.</p>\n" +
-      plotOf(result.presses, "penetration, largest, µm", kShownDepth,
-             [](const PartMeasurement& m) { return 1e6 * m.depth.max; }) +
-      plotOf(result.presses, "change of force a tick, 99th percentile, N", kShownForce,
-             [](const PartMeasurement& m) { return m.forceChange.p99; }) +
+      pressPlot(result.presses, "penetration, largest, µm", kShownDepth,
+                [](const PartMeasurement& m) { return 1e6 * m.depth.max; }) +
+      pressPlot(result.presses, "change of force a tick, 99th percentile, N", kShownForce,
+                [](const PartMeasurement& m) { return m.forceChange.p99; }) +
       "<details><summary>All figures</summary>\n";
-  for (const PressResult& e : result.presses) html += tableOf(e);
+  for (const PressResult& e : result.presses) html += pressTable(e);
   return html + "</details>\n";
 }
 

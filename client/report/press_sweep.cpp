@@ -17,14 +17,14 @@ struct Extent {
 };
 constexpr Extent kQuickExtent{1, 2, 10}, kFullExtent{3, 3, 5};
 
-constexpr int kRuns = 2;  // each tick's cost is the least of them
+constexpr int kPressRuns = 2;  // each tick's cost is the least of them
 
 /// A setting, and what all presses with it came to.
 struct PressSetting {
   Making making;
   haptics::ContactEffort effort;
   PressMeasurement out;
-  std::vector<std::vector<PartSample>> runs = std::vector<std::vector<PartSample>>(kRuns);
+  std::vector<std::vector<PartSample>> runs = std::vector<std::vector<PartSample>>(kPressRuns);
 };
 
 std::vector<PressSetting> settingsOf(const SweepOptions& options) {
@@ -72,7 +72,7 @@ class PressRun {
       setting.out.figures.spacing = std::max(setting.out.figures.spacing, held.samples.spacing());
       setting.out.figures.cell = std::max(setting.out.figures.cell, held.field.smallestCell());
       std::vector<std::vector<PartSample>> runs =
-          runPart(experiment_, contact, kRuns, depthEvery, options_.allocations, setting.out.figures);
+          runPart(experiment_, contact, kPressRuns, depthEvery, options_.allocations, setting.out.figures);
       setting.out.beyond += deepestOf(runs.front()) > experiment_.targetDepth ? 1 : 0;
       for (std::size_t k = 0; k < runs.size(); ++k) {
         // Nothing is said of the change from the last tick of one press to the first one of the next.

@@ -14,16 +14,16 @@ namespace {
 Json settingJson(const Measurement& m) {
   Json json = {{"id", m.setting}, {"name", m.name}, {"kind", nameOf(m.kind)}};
   putCost(json, m.cost);
-  json["hovering_us"] = {{"p50", number(m.hovering.p50)}, {"p99", number(m.hovering.p99)}};
+  json["hovering_us"] = {{"p50", numberJson(m.hovering.p50)}, {"p99", numberJson(m.hovering.p99)}};
   putError(json, m.error);
-  json["step_n"] = {{"max", number(m.step.measured)},
-                    {"ideal", number(m.step.ideal)},
-                    {"excess", number(m.step.excess)},
-                    {"beyond_travel", number(m.step.beyondTravel)},
+  json["step_n"] = {{"max", numberJson(m.step.measured)},
+                    {"ideal", numberJson(m.step.ideal)},
+                    {"excess", numberJson(m.step.excess)},
+                    {"beyond_travel", numberJson(m.step.beyondTravel)},
                     {"jumps", m.step.jumps}};
-  json["beyond_depth_n"] = number(m.beyondDepth);
+  json["beyond_depth_n"] = numberJson(m.beyondDepth);
   json["allocations"] = m.allocationsCounted ? Json(m.allocations) : Json(nullptr);
-  json["build_ms"] = number(m.build_ms);
+  json["build_ms"] = numberJson(m.build_ms);
   return json;
 }
 
@@ -60,8 +60,8 @@ std::string toJson(const SweepResult& result) {
                   {"ticks", e.ticks},
                   {"tool_radius_m", e.info.toolRadius},
                   {"exact", e.info.exact},
-                  {"peak_force_n", number(e.peakForce)},
-                  {"facet_error_n", number(e.facetError)}};
+                  {"peak_force_n", numberJson(e.peakForce)},
+                  {"facet_error_n", numberJson(e.facetError)}};
     entry["settings"] = Json::array();
     for (const Measurement& m : e.settings) entry["settings"].push(settingJson(m));
     json["experiments"].push(std::move(entry));
@@ -76,7 +76,7 @@ std::string toJson(const SweepResult& result) {
   for (const LinkExperimentResult& e : result.links) json["links"].push(linkExperimentJson(e));
   json["figures"] = Json::array();
   for (const Figure& f : result.figures) {
-    Json entry = {{"id", f.id}, {"name", f.name}, {"unit", f.unit}, {"value", number(f.value)}};
+    Json entry = {{"id", f.id}, {"name", f.name}, {"unit", f.unit}, {"value", numberJson(f.value)}};
     if (f.target > 0.0) entry[f.atLeast ? "at_least" : "at_most"] = f.target;
     json["figures"].push(std::move(entry));
   }

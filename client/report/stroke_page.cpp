@@ -7,7 +7,7 @@
 namespace tandem::client::report {
 namespace {
 
-SeriesStyle styleOf(const StrokeMeasurement& m) {
+SeriesStyle strokeStyle(const StrokeMeasurement& m) {
   const bool used = m.setting == "tandem";
   return {m.name, used ? "#0b6e99" : "#c9730b", used ? Marker::circle : Marker::square, !used, 1.0};
 }
@@ -25,7 +25,7 @@ std::string shortened(const std::string& name) {
   return name.substr(0, end) + "...";
 }
 
-std::string tableOf(const std::vector<StrokeResult>& strokes) {
+std::string strokeTable(const std::vector<StrokeResult>& strokes) {
   std::string html =
       "<div class=\"wide\"><table><thead><tr><th>model</th><th>point</th><th>triangles</th><th>parts</th>"
       "<th>ticks</th><th>go where<br>no ball does</th><th>end a leg<br>in a part</th><th>cost "
@@ -56,9 +56,9 @@ std::string strokeSection(const std::vector<StrokeResult>& strokes) {
     RangeRow row{shortened(e.model), {}};
     for (const StrokeMeasurement& m : e.settings) {
       bars.push_back({m.setting == "tandem" ? shortened(e.model) : m.name, fallenOf(e, m),
-                      static_cast<double>(m.fallen), styleOf(m).colour});
-      row.marks.push_back(
-          {styleOf(m), m.cost.p50, m.cost.p99, e.model + ", " + m.name + ": " + microseconds(m.cost.p99)});
+                      static_cast<double>(m.fallen), strokeStyle(m).colour});
+      row.marks.push_back({strokeStyle(m), m.cost.p50, m.cost.p99,
+                           e.model + ", " + m.name + ": " + microseconds(m.cost.p99)});
     }
     costs.rows.push_back(std::move(row));
   }
@@ -73,7 +73,7 @@ std::string strokeSection(const std::vector<StrokeResult>& strokes) {
          "count. How many strokes end a leg inside a part, by its winding number, tells the two apart: what "
          "the "
          "point has beyond Tandem came in through cracks; Tandem comes in through openings.</p>\n<figure>" +
-         barsSvg(bars) + "</figure>\n<figure>" + rangeSvg(costs) + "</figure>\n" + tableOf(strokes);
+         barsSvg(bars) + "</figure>\n<figure>" + rangeSvg(costs) + "</figure>\n" + strokeTable(strokes);
 }
 
 void strokeBounds(const StrokeResult& e, std::vector<Bound>& bounds) {

@@ -10,11 +10,11 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr double kInterval = 4e-3, kSilence = 0.05;  // s
-constexpr double kDeadZone = 0.08;                   // of a stick
-constexpr std::uint32_t kGrasp = 1u << 0, kClutch = 1u << 1;
+constexpr double kPadInterval = 4e-3, kPadSilence = 0.05;  // s
+constexpr double kDeadZone = 0.08;                         // of a stick
+constexpr std::uint32_t kGraspBit = 1u << 0, kClutchBit = 1u << 1;
 
-struct Wanted {
+struct WantedOfPad {
   DualSenseOutput output;
   double renewedAt = -1e9;  // s, driverClock
 };
@@ -51,9 +51,9 @@ struct DualSense::Driver : HidClient {
 
   DualSenseReading reading;  // owned by the driver's thread
   std::uint8_t sequence = 0;
-  Pacer<DualSenseOutput> pacer{kInterval, kSilence};
+  Pacer<DualSenseOutput> pacer{kPadInterval, kPadSilence};
   TripleBuffer<DualSenseReading> published;
-  TripleBuffer<Wanted> wanted;
+  TripleBuffer<WantedOfPad> wanted;
   HidWorker worker;  // last member: its thread uses all of the above
 };
 
@@ -87,7 +87,7 @@ Status DualSense::Driver::send(HidConnection& connection, const DualSenseOutput&
 Status DualSense::Driver::service(HidConnection& connection) {
   // The connection type is unknown until the first report.
   if (reading.reports == 0) return {};
-  const Wanted& now = wanted.latest();
+  const WantedOfPad& now = wanted.latest();
   const auto due = pacer.next(driverClock(), now.output, now.renewedAt);
   return due ? send(connection, *due) : Status{};
 }
@@ -133,7 +133,7 @@ std::uint32_t DualSense::pressedButtons() const {
   if (!reading_.connected) return 0;
   const DualSenseState& s = reading_.state;
   const bool grasps = (s.buttons & kPadCross) != 0 || s.rightTrigger > 0.5;
-  return (grasps ? kGrasp : 0) | ((s.buttons & kPadCircle) != 0 ? kClutch : 0);
+  return (grasps ? kGraspBit : 0) | ((s.buttons & kPadCircle) != 0 ? kClutchBit : 0);
 }
 
 DeviceSample DualSense::poll(double now) {

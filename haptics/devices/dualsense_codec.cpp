@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kUsbReport = 64, kBluetoothReport = 78, kShortReport = 10;
 constexpr std::size_t kUsbOutput = 48, kState = 47;
-constexpr double kSettling = 0.05;  // s
+constexpr double kForceSettling = 0.05;  // s
 
 double stick(std::uint8_t value) {
   return std::clamp((static_cast<double>(value) - 128.0) / 127.0, -1.0, 1.0);
@@ -137,7 +137,7 @@ std::vector<std::uint8_t> encodeDualSense(const DualSenseOutput& output, bool bl
 DualSenseOutput GripCues::step(double force, double full, double dt) {
   if (!std::isfinite(force) || !(full > 0.0)) force = 0.0;
   force = std::min(std::abs(force), full);
-  if (dt > 0.0) settled_ += (1.0 - std::exp(-dt / kSettling)) * (force - settled_);
+  if (dt > 0.0) settled_ += (1.0 - std::exp(-dt / kForceSettling)) * (force - settled_);
   const double change = std::max(0.0, force - settled_) / full;
   DualSenseOutput output;
   output.rightResistance = output.leftResistance = coarse(force / full, 31);

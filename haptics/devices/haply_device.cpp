@@ -30,12 +30,12 @@ namespace websocket = boost::beast::websocket;
 using boost::system::error_code;
 using Socket = websocket::stream<beast::tcp_stream>;
 
-constexpr double kSilence = 0.05, kStale = 0.05;  // s
+constexpr double kHaplySilence = 0.05, kStale = 0.05;  // s
 constexpr auto kPatience = std::chrono::seconds(2);
-constexpr auto kRetry = std::chrono::milliseconds(200);
+constexpr auto kHaplyRetry = std::chrono::milliseconds(200);
 constexpr auto kClosingTimeout = std::chrono::milliseconds(100);
 
-struct Wanted {
+struct WantedOfHaply {
   glm::dvec3 force{0.0, 0.0, 0.0};  // N, device axes
   double renewedAt = -1e9;          // s, driverClock
 };
@@ -71,7 +71,7 @@ struct HaplyDevice::Driver {
   bool writing = false;
 
   TripleBuffer<HaplyReading> published;
-  TripleBuffer<Wanted> wanted;
+  TripleBuffer<WantedOfHaply> wanted;
 
   std::thread thread;
   std::mutex mutex;
@@ -91,7 +91,7 @@ void HaplyDevice::Driver::run() {
     reading.connected = reading.present = false;
     publish();
     std::unique_lock lock(mutex);
-    wake.wait_for(lock, kRetry, [this] { return stopping; });
+    wake.wait_for(lock, kHaplyRetry, [this] { return stopping; });
     if (stopping) return;
   }
 }
@@ -185,8 +185,8 @@ void HaplyDevice::Driver::onMessage(const error_code& error) {
 
 void HaplyDevice::Driver::answer() {
   if (leaving) return sendZeroAndClose();
-  const Wanted& now = wanted.latest();
-  const bool silent = driverClock() - now.renewedAt > kSilence;
+  const WantedOfHaply& now = wanted.latest();
+  const bool silent = driverClock() - now.renewedAt > kHaplySilence;
   send(silent ? glm::dvec3(0.0) : now.force, [this] { leaving ? sendZeroAndClose() : listen(); });
 }
 

@@ -14,13 +14,13 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr double kInterval = 1e-3, kSilence = 0.05;  // s
-constexpr double kVelocityFilterTime = 8e-3;         // s: reports come every 1 to 10 ms
-constexpr int kLoadTries = 60;                       // as Linux' hid-pidff
+constexpr double kPidInterval = 1e-3, kPidSilence = 0.05;  // s
+constexpr double kReportFilterTime = 8e-3;                 // s: reports come every 1 to 10 ms
+constexpr int kLoadTries = 60;                             // as Linux' hid-pidff
 
 using Shares = std::array<std::int16_t, 2>;  // of full force, in 1/32767: equal ones are not sent twice
 
-struct Wanted {
+struct WantedOfPid {
   Shares shares{};
   double renewedAt = -1e9;  // s, driverClock
 };
@@ -79,9 +79,9 @@ struct PidDevice::Driver : HidClient {
   FixedVector<std::uint8_t, 2> blocks;  // the effect of each motor
   PidState state;
   PidReading reading;  // the driver's thread's
-  Pacer<Shares> pacer{kInterval, kSilence};
+  Pacer<Shares> pacer{kPidInterval, kPidSilence};
   TripleBuffer<PidReading> published;
-  TripleBuffer<Wanted> wanted;
+  TripleBuffer<WantedOfPid> wanted;
   PidReading latest;  // the servo thread's
   HidWorker worker;   // last: its thread uses all of the above
 };
@@ -141,7 +141,7 @@ void PidDevice::Driver::report(std::span<const std::uint8_t> bytes) {
 }
 
 Status PidDevice::Driver::service(HidConnection& connection) {
-  const Wanted& now = wanted.latest();
+  const WantedOfPid& now = wanted.latest();
   const double start = driverClock();
   const std::optional<Shares> due = pacer.next(start, now.shares, now.renewedAt);
   if (!due) return {};
@@ -201,7 +201,7 @@ DeviceSample PidDevice::poll(double now) {
     const double before = position_[axis];
     position_[axis] = settings_.reach * reading.axes[axis];
     if (!started_ || !(interval > 0.0)) continue;
-    const double fresh = 1.0 - std::exp(-interval / kVelocityFilterTime);
+    const double fresh = 1.0 - std::exp(-interval / kReportFilterTime);
     speed_[axis] += fresh * ((position_[axis] - before) / interval - speed_[axis]);
   }
   started_ = true;

@@ -3,7 +3,7 @@
 namespace tandem::haptics {
 namespace {
 
-HandTarget restingAt(const Pose& pose) {
+HandTarget targetAt(const Pose& pose) {
   HandTarget target;
   target.worldFromTarget = pose;
   return target;
@@ -13,7 +13,7 @@ HandTarget restingAt(const Pose& pose) {
 
 SimulatedDevice::SimulatedDevice(const Pose& worldFromStart, const ArmParameters& arm,
                                  const SimulatedDeviceParameters& device)
-    : HandDevice(worldFromStart, arm, device, 0.15), target_(restingAt(worldFromStart)) {}
+    : HandDevice(worldFromStart, arm, device, 0.15), target_(targetAt(worldFromStart)) {}
 
 HandTarget SimulatedDevice::nextTarget(double) { return target_.latest(); }
 
