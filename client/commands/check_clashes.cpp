@@ -31,8 +31,6 @@ const char* wordFor(const Clash& clash) {
   return "near";
 }
 
-Json clashPointJson(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
-
 /// Whether the facets of curved surfaces alone may explain an overlap.
 bool withinFacets(const Clash& clash) {
   return clash.kind == ClashKind::hard && !clash.open && clash.depth <= clash.facetSag;
@@ -178,6 +176,8 @@ ClashReport findWithProgress(const haptics::ContactScene& contact, const ClashAr
 
 }  // namespace
 
+Json pointJson(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
+
 Json clashJson(const assets::Scene& scene, const Clash& clash) {
   ASSERT(clash.a < scene.parts.size() && clash.b < scene.parts.size());
   return {{"a", scene.parts[clash.a].name},
@@ -187,9 +187,9 @@ Json clashJson(const assets::Scene& scene, const Clash& clash) {
           {"open", clash.open},
           {"at_least_m", clash.depth},
           {"distance_m", clash.distance},
-          {"deepest_m", clash.kind == ClashKind::hard ? clashPointJson(clash.deepest) : Json(nullptr)},
-          {"point_a_m", clashPointJson(clash.onA)},
-          {"point_b_m", clashPointJson(clash.onB)},
+          {"deepest_m", clash.kind == ClashKind::hard ? pointJson(clash.deepest) : Json(nullptr)},
+          {"point_a_m", pointJson(clash.onA)},
+          {"point_b_m", pointJson(clash.onB)},
           {"facet_sag_m", clash.facetSag},
           {"sheets", clash.sheets},
           {"may_collide", clash.mayCollide}};

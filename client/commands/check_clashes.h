@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <glm/vec3.hpp>
+
 #include "assets/base/json.h"
 #include "assets/scene/scene.h"
 #include "client/review/clash_check.h"
@@ -21,6 +23,8 @@ struct ClashArguments {
   bool requested() const { return all || !distance.empty(); }
 };
 
+/// A point or a direction as --json has it: its three coordinates.
+Json pointJson(const glm::dvec3& p);
 /// One pair as --json has it, and as text.
 Json clashJson(const assets::Scene& scene, const Clash& clash);
 void printClash(const assets::Scene& scene, const Clash& clash);

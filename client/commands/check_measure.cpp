@@ -20,8 +20,6 @@ namespace {
 
 constexpr double kLargest = 1e6;  // m, of a coordinate
 
-Json pointJson(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
-
 double degrees(double angle) { return angle * 180.0 / std::numbers::pi; }
 
 /// "X,Y,Z"; nothing if it is anything else.

@@ -15,8 +15,6 @@
 namespace tandem::client::report {
 namespace {
 
-constexpr double kDt = 1e-3;  // s
-constexpr double kMillimetre = 1e-3;
 constexpr double kGrooveHalfAngle = kPi / 6.0;
 constexpr double kInset = 0.8 * kMillimetre;  // depth under the gear, whose teeth are 2 mm wide at their tips
 constexpr int kApproach = 40;                 // ticks in which the tool comes down

@@ -10,6 +10,9 @@
 
 namespace tandem::client::report {
 
+inline constexpr double kDt = 1e-3;          // s, of a tick of any experiment
+inline constexpr double kMillimetre = 1e-3;  // m
+
 /// The description of an experiment.
 struct ExperimentInfo {
   std::string id;           // kebab-case, as --scenes takes it

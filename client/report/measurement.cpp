@@ -14,12 +14,6 @@ namespace {
 // Relative errors are taken only where the exact force is at least this share of its peak.
 constexpr double kWeak = 0.05;
 
-double rms(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double v : values) sum += v * v;
-  return values.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(values.size()));
-}
-
 /// How the force changes from tick to tick.
 ForceStep stepsOf(const Experiment& experiment, const std::vector<glm::dvec3>& force,
                   const std::vector<glm::dvec3>& exact) {
@@ -60,6 +54,12 @@ Cost hoveringCost(const std::vector<glm::dvec3>& exact, const std::vector<double
 }
 
 }  // namespace
+
+double rms(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double v : values) sum += v * v;
+  return values.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(values.size()));
+}
 
 Cost costOf(const std::vector<double>& least, const std::vector<double>& single) {
   const Percentiles p = percentiles(least);

@@ -60,6 +60,9 @@ struct Samples {
   std::vector<double> depth;      // one a tick, m: from the device to the method's proxy; empty: not known
 };
 
+/// Root mean square; 0 of none.
+double rms(const std::vector<double>& values);
+
 /// Computes the figures from the forces of the first run and the least cost of all runs. Every run must have
 /// path.size() entries.
 void judge(const Experiment& experiment, const std::vector<Samples>& runs, Measurement& out);

@@ -13,9 +13,7 @@
 namespace tandem::client::report {
 namespace {
 
-constexpr double kPartTick = 1e-3;   // s
 constexpr double kDensity = 7850.0;  // kg/m^3, steel
-constexpr double kMm = 1e-3;         // m
 
 double smooth(double share) {
   const double s = std::clamp(share, 0.0, 1.0);
@@ -59,7 +57,7 @@ void addParts(PartExperiment& e, assets::TriangleSoup held, assets::TriangleSoup
 
 /// The hand's velocity as the tick receives it: the displacement since the last tick, divided by the time.
 glm::dvec3 velocityAt(const PartExperiment& e, std::size_t i) {
-  return i == 0 ? glm::dvec3(0.0) : (e.path[i].goal - e.path[i - 1].goal) / kPartTick;
+  return i == 0 ? glm::dvec3(0.0) : (e.path[i].goal - e.path[i - 1].goal) / kDt;
 }
 
 /// Sets the exact force: spring and damper between the hand's target and an ideal part that is held back
@@ -72,8 +70,8 @@ void pushBack(PartExperiment& e, std::size_t i, const glm::dvec3& ideal, const g
   e.path[i].exactForce = held * (spring + damper);
 }
 
-constexpr double kPegRadius = 10.0 * kMm, kPegClearance = 0.01 * kMm;  // radial
-constexpr double kPegLength = 40.0 * kMm, kEngaged = 30.0 * kMm;
+constexpr double kPegRadius = 10.0 * kMillimetre, kPegClearance = 0.01 * kMillimetre;  // radial
+constexpr double kPegLength = 40.0 * kMillimetre, kEngaged = 30.0 * kMillimetre;
 
 /// How a round surface is divided.
 struct Cut {
@@ -83,9 +81,9 @@ constexpr Cut kFine{320, 29}, kQuick{160, 13};  // 20 k and 4.5 k triangles
 
 /// A peg along +y (shapes.h maps z to y). The face of its tip lies in y = 0 and has a chamfer of 1 mm.
 assets::TriangleSoup peg(const Cut& cut) {
-  std::vector<generate::ProfilePoint> profile{{0.0, 0.0}, {kPegRadius - kMm, 0.0}};
+  std::vector<generate::ProfilePoint> profile{{0.0, 0.0}, {kPegRadius - kMillimetre, 0.0}};
   for (int i = 0; i <= cut.layers; ++i)
-    profile.push_back({kPegRadius, kMm + (kPegLength - kMm) * i / cut.layers});
+    profile.push_back({kPegRadius, kMillimetre + (kPegLength - kMillimetre) * i / cut.layers});
   profile.push_back({0.0, kPegLength});
   generate::Solid solid;
   solid.revolve(profile, cut.sides);
@@ -95,7 +93,7 @@ assets::TriangleSoup peg(const Cut& cut) {
 /// A square block of 30 mm with its top in y = 0 and a blind bore. The middles of the bore's sides lie on its
 /// circle.
 assets::TriangleSoup boredBlock(const Cut& cut) {
-  constexpr double kHalf = 15.0 * kMm, kHeight = 45.0 * kMm, kDepth = 40.0 * kMm;
+  constexpr double kHalf = 15.0 * kMillimetre, kHeight = 45.0 * kMillimetre, kDepth = 40.0 * kMillimetre;
   const generate::Loop bore = generate::circleAround(kPegRadius + kPegClearance, cut.sides);
   generate::Loop square;
   for (glm::dvec2 p : generate::circle(1.0, cut.sides))
@@ -117,10 +115,10 @@ assets::TriangleSoup boredBlock(const Cut& cut) {
 PartExperiment pegInBore(int ticks, const Cut& cut) {
   PartExperiment e;
   const double room = kPegRadius + kPegClearance - kPegRadius * std::cos(kPi / cut.sides);
-  const double aside = kPegClearance + 0.02 * kMm;
+  const double aside = kPegClearance + 0.02 * kMillimetre;
   glm::dvec2 before(0.0);
   for (int i = 0; i < ticks; ++i) {
-    const double angle = 0.3 + 0.5 * kPartTick * std::max(0, i - 150), out = aside * smooth(i / 100.0);
+    const double angle = 0.3 + 0.5 * kDt * std::max(0, i - 150), out = aside * smooth(i / 100.0);
     const glm::dvec2 goal = out * glm::dvec2(std::cos(angle), std::sin(angle));
     const glm::dvec2 ideal = insidePolygon(goal, room, cut.sides);
     PartPathPoint& point = e.path.emplace_back();
@@ -128,28 +126,29 @@ PartExperiment pegInBore(int ticks, const Cut& cut) {
     point.goal = {goal.x, -kEngaged, -goal.y};
     point.contact = point.force = i >= 300;
     point.depth = true;
-    const glm::dvec2 speed = (ideal - before) / kPartTick;
+    const glm::dvec2 speed = (ideal - before) / kDt;
     pushBack(e, e.path.size() - 1, {ideal.x, -kEngaged, -ideal.y}, {speed.x, 0.0, -speed.y}, glm::dvec3(1.0));
     before = ideal;
   }
   // The grip is in the middle of the part of the peg that is in the bore, so that the wall's force does not
   // tilt it.
-  e.grip = {0.0, 0.5 * (kEngaged + kMm), 0.0};
+  e.grip = {0.0, 0.5 * (kEngaged + kMillimetre), 0.0};
   addParts(e, peg(cut), boredBlock(cut));
   return e;
 }
 
 /// The cube is pressed 1 mm into the block's top and led round a circle of 15 mm at 100 mm/s.
 PartExperiment slidingCube(int ticks) {
-  constexpr double kSide = 10.0 * kMm, kCircle = 15.0 * kMm, kSpeed = 0.1;
+  constexpr double kSide = 10.0 * kMillimetre, kCircle = 15.0 * kMillimetre, kSpeed = 0.1;
   PartExperiment e;
   const double mass = kDensity * kSide * kSide * kSide;
   double travelled = 0.0;
   for (int i = 0; i < ticks; ++i) {
-    travelled += kPartTick * kSpeed * smooth((i - 150) / 200.0);
+    travelled += kDt * kSpeed * smooth((i - 150) / 200.0);
     const glm::dvec2 out(std::cos(travelled / kCircle), std::sin(travelled / kCircle));
     PartPathPoint& point = e.path.emplace_back();
-    point.goal = glm::dvec3(kCircle * out, 0.5 * kSide + 0.1 * kMm - 1.1 * kMm * smooth(i / 100.0));
+    point.goal =
+        glm::dvec3(kCircle * out, 0.5 * kSide + 0.1 * kMillimetre - 1.1 * kMillimetre * smooth(i / 100.0));
     point.contact = i >= 150;
     point.force = i >= 450;
     point.depth = true;
@@ -157,46 +156,46 @@ PartExperiment slidingCube(int ticks) {
     // The centrifugal force draws the hand outwards.
     point.exactForce += glm::dvec3(mass * kSpeed * kSpeed / kCircle * out, 0.0);
   }
-  assets::TriangleSoup block = box(glm::dvec3(60.0 * kMm), 24);
-  for (glm::dvec3& p : block.positions) p.z -= 30.0 * kMm;
+  assets::TriangleSoup block = box(glm::dvec3(60.0 * kMillimetre), 24);
+  for (glm::dvec3& p : block.positions) p.z -= 30.0 * kMillimetre;
   addParts(e, box(glm::dvec3(kSide), 8), std::move(block));
   return e;
 }
 
 /// The plate goes from 5 mm above to 20 mm below at 200 mm/s, rests, and goes back, again and again.
 PartExperiment plateOnPlate(int ticks) {
-  constexpr double kThick = 0.5 * kMm, kSpeed = 0.2, kTop = 5.0 * kMm, kLow = -20.0 * kMm;
+  constexpr double kThick = 0.5 * kMillimetre, kSpeed = 0.2, kTop = 5.0 * kMillimetre,
+                   kLow = -20.0 * kMillimetre;
   constexpr int kStroke = 125, kRest = 75, kPeriod = 2 * (kStroke + kRest);
   PartExperiment e;
   for (int i = 0; i < ticks; ++i) {
     const int phase = i % kPeriod;
-    const double down = kTop - kSpeed * kPartTick * phase,
-                 up = kLow + kSpeed * kPartTick * (phase - kStroke - kRest);
+    const double down = kTop - kSpeed * kDt * phase, up = kLow + kSpeed * kDt * (phase - kStroke - kRest);
     const double z = phase < kStroke + kRest ? std::max(kLow, down) : std::min(kTop, up);
     PartPathPoint& point = e.path.emplace_back();
-    point.goal = {3.0 * kMm, -2.0 * kMm, z};
+    point.goal = {3.0 * kMillimetre, -2.0 * kMillimetre, z};
     // The plate lands in the 23rd millisecond and must be at rest 40 ms later. On the way up the damper lifts
     // it off before the hand reaches the floor.
-    point.contact = z < (phase < kStroke ? 0.2 : -2.0) * kMm;
-    point.force = z < -2.0 * kMm && phase >= 65;
+    point.contact = z < (phase < kStroke ? 0.2 : -2.0) * kMillimetre;
+    point.force = z < -2.0 * kMillimetre && phase >= 65;
     point.depth = true;
     pushBack(e, e.path.size() - 1, {0.0, 0.0, std::max(z, kThick)}, glm::dvec3(0.0), {0.0, 0.0, 1.0});
   }
   e.targetDepth = 20e-6;
-  addParts(e, box({40.0 * kMm, 40.0 * kMm, kThick}, 8), box({60.0 * kMm, 60.0 * kMm, kThick}, 8),
-           fromRotationVector({0.0, 0.0, 0.5}));
+  addParts(e, box({40.0 * kMillimetre, 40.0 * kMillimetre, kThick}, 8),
+           box({60.0 * kMillimetre, 60.0 * kMillimetre, kThick}, 8), fromRotationVector({0.0, 0.0, 0.5}));
   return e;
 }
 
 /// A cube of 5 mm is grasped inside a block of 60 mm, 20 mm from its middle. The shortest displacement out of
 /// the block is along +x.
 PartExperiment cubeInBlock() {
-  constexpr double kSide = 5.0 * kMm, kBlock = 60.0 * kMm;
+  constexpr double kSide = 5.0 * kMillimetre, kBlock = 60.0 * kMillimetre;
   constexpr int kOut = 1700, kTicks = 2000;  // by then it is out
   PartExperiment e;
   for (int i = 0; i < kTicks; ++i) {
     PartPathPoint& point = e.path.emplace_back();
-    point.goal = glm::dvec3(20.0, 3.0, -1.0) * kMm;
+    point.goal = glm::dvec3(20.0, 3.0, -1.0) * kMillimetre;
     point.contact = i >= 100;
     point.force = point.depth = i >= kOut;
     pushBack(e, e.path.size() - 1, {0.5 * (kBlock + kSide), 0.0, 0.0}, glm::dvec3(0.0), {1.0, 0.0, 0.0});

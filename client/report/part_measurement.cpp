@@ -16,12 +16,6 @@ Spread spreadOf(const std::vector<double>& values) {
   return {p.p50, p.p99, p.max};
 }
 
-double rootMeanSquare(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double v : values) sum += v * v;
-  return values.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(values.size()));
-}
-
 double angleBetween(const glm::dvec3& a, const glm::dvec3& b) {
   return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
 }
@@ -80,8 +74,7 @@ void judgePart(const PartExperiment& experiment, const std::vector<std::vector<P
   judgeCost(runs, out);
   out.depth = spreadOf(depth);
   const Spread absolute = spreadOf(error), share = spreadOf(relative);
-  out.error = {rootMeanSquare(error),    absolute.p99, absolute.max,
-               rootMeanSquare(relative), share.p99,    share.max};
+  out.error = {rms(error), absolute.p99, absolute.max, rms(relative), share.p99, share.max};
   out.forceStep = spreadOf(forceStep);
   out.forceChange = spreadOf(forceChange);
   out.normalStep = spreadOf(normalStep);

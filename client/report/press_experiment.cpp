@@ -10,7 +10,6 @@ namespace {
 
 using generate::Family;
 
-constexpr double kPressTick = 1e-3;  // s
 constexpr double kHighest = 0.06,
                  kSearchedEvery = 0.004;  // m: no part reaches higher over the other's origin
 constexpr unsigned kPosesOfAPair = 1000;
@@ -51,9 +50,9 @@ PartExperiment buildPress(Family family, unsigned pair, unsigned pose) {
   way.beginAt(haptics::touchingHeight(underModel, {{0.0, 0.0, 0.0}, way.lying()}, heldModel, way.start(),
                                       kHighest, kSearchedEvery));
   PartExperiment e;
-  const int ticks = static_cast<int>(way.duration() / kPressTick + 0.5);
+  const int ticks = static_cast<int>(way.duration() / kDt + 0.5);
   for (int i = 0; i < ticks; ++i) {
-    const Pose at = way.at(kPressTick * i);
+    const Pose at = way.at(kDt * i);
     PartPathPoint& point = e.path.emplace_back();
     point.goal = at.position;
     point.turned = at.orientation * glm::conjugate(way.start().orientation);

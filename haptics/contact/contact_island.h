@@ -81,7 +81,7 @@ class ContactIsland {
   double updateGoals();
   /// Brings centres of mass and relative poses of all pairs up to date with the bodies' poses.
   void place();
-  /// Leaves of what remains of each body's goal a share, as if the tick were that much shorter.
+  /// Scales what each body still has to go in this tick by a share, 0..1, as if so much less time were left.
   void shortenGoals(double share);
   /// Moves a body by u, from its pose at the last place().
   void moveBody(int body, const Displacement& u);

@@ -33,7 +33,7 @@ void ContactStep::move(std::span<MovingPart* const> moving, const Tick& tick, in
   TICK_ASSERT(fault_, tick.dt > 0.0 && tick.work != nullptr && tick.touches != nullptr);
   lastMotion_ = 0.0;
   for (const MovingPart* part : moving) lastMotion_ = std::max(lastMotion_, history_.lastMotion(part->part));
-  pushed_ = island_.push() + longestUngripped(moving, tick.dt);
+  pushed_ = mayBePushed(moving, tick.dt);
   slips_ = false;
   history_.recallFriction(island_, solver_);
   const int maxSteps = std::clamp(tick.effort.steps, 1, kMaxSteps), iterationsBefore = tick.work->iterations;
@@ -138,7 +138,10 @@ void ContactStep::solve(const Tick& tick, int maxIterations) {
   work.infeasible += solver_.infeasible();
 }
 
-double ContactStep::longestUngripped(std::span<MovingPart* const> moving, double dt) const {
+double ContactStep::mayBePushed(std::span<MovingPart* const> moving, double dt) const {
+  const bool paced =
+      std::any_of(moving.begin(), moving.end(), [](const MovingPart* part) { return !part->grips.empty(); });
+  if (!paced) return 0.0;
   double longest = 0.0;
   for (int b = 0; b < island_.bodyCount(); ++b) {
     const ContactBody& body = island_.body(b);
@@ -149,7 +152,7 @@ double ContactStep::longestUngripped(std::span<MovingPart* const> moving, double
                             dt * moved.twist.angular};
     longest = std::max(longest, body.motion(last));
   }
-  return longest;
+  return island_.push() + longest;
 }
 
 double ContactStep::paceOfStep() const {
@@ -159,7 +162,7 @@ double ContactStep::paceOfStep() const {
       const auto shareOf = [&](const Displacement& next) {
         return shareWithin(grip, island_.applied(b), next, pushed_);
       };
-      // What contacts add to a motion that the hand may make is theirs.
+      // Where the hand alone would keep the pace, contacts push the part beyond it, which is not held back.
       pace = std::min(pace, std::max(shareOf(solver_.displacement(b)), shareOf(island_.remaining(b))));
     }
   }

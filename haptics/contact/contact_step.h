@@ -77,9 +77,11 @@ class ContactStep {
   /// remaining displacement of the bodies.
   void refineCached();
   void solve(const Tick& tick, int maxIterations);
-  /// m, the longest motion in the last tick of a body that no hand's pace holds back.
-  double longestUngripped(std::span<MovingPart* const> moving, double dt) const;
-  /// The share, 0..1, of the solver's displacements that the pace of all grips allows.
+  /// An upper bound, m, of how far other parts may push a part of the island that has a GripPace: those that
+  /// move elsewhere, and bodies of the island without one, which go on as in the last tick. 0 if no part has
+  /// one.
+  double mayBePushed(std::span<MovingPart* const> moving, double dt) const;
+  /// The share, 0..1, of the solver's displacements at which every grip keeps its GripPace.
   double paceOfStep() const;
   /// Moves the bodies by the solver's displacements, at most by the reach; true if no further step is
   /// needed.
@@ -99,8 +101,8 @@ class ContactStep {
   std::unique_ptr<SharedGather> shared_;  // null: nothing is shared
   bool sharing_ = false;                  // in this tick
   double reach_ = 0.0;                    // m, of the present step
-  double pushed_ = 0.0;                   // m, by which others may move a body in this tick
-  bool slips_ = false;                    // whether the pace of a grip has made a step of this tick shorter
+  double pushed_ = 0.0;                   // m, mayBePushed() of this tick
+  bool slips_ = false;                    // whether a GripPace has shortened a step of this tick
   double lastMotion_ = 0.0;  // m, of the island's last step; half of what was sought where it was cut short
 };
 

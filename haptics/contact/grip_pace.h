@@ -6,9 +6,10 @@
 // holds it goes hardly faster than the hand, and changes its direction as gently: only a share of each step
 // is taken.
 //
-// That takes energy and never gives any. With E the energy of springs and weight, which is convex, a step
-// from the velocity v0 is the least of 1/2 |v - v0|^2 + E(x + T v), by mass, among what contacts allow, and
-// to stand still is allowed. So 1/2 |v|^2 + E(x + T v) <= 1/2 |v0|^2 + E(x), and for a share s of it
+// This can only dissipate energy. Let T be the period, x the pose, and E the potential energy of springs and
+// weight, convex while rotations are small. A step of backward Euler from the velocity v0 minimizes
+// 1/2 |v - v0|^2 + E(x + T v), with |.| the norm by mass, over the velocities v that contacts allow. v = 0 is
+// one of them, so the minimum obeys 1/2 |v|^2 + E(x + T v) <= 1/2 |v0|^2 + E(x). For a share s, 0..1:
 //     1/2 |s v|^2 + E(x + s T v) <= s (1/2 |v|^2 + E(x + T v)) + (1 - s) E(x) <= 1/2 |v0|^2 + E(x).
 
 #include <glm/vec3.hpp>
@@ -18,12 +19,12 @@
 
 namespace tandem::haptics {
 
-/// How far the place where a hand holds a part may go in a tick.
+/// How far the grip, the place where a hand holds a part, may go in a tick: to within `farthest` of where it
+/// was when the tick began, and to within `aside` of `steady`.
 struct GripPace {
-  glm::dvec3 arm{0.0, 0.0, 0.0};     // m, world, from the part's centre of mass to the grip
-  glm::dvec3 steady{0.0, 0.0, 0.0};  // m, world: the way by which the force on the hand stays as it was
-  double aside = 0.0;                // m, from `steady`
-  double farthest = 0.0;             // m
+  glm::dvec3 arm{0.0, 0.0, 0.0};       // m, world, from the part's centre of mass to the grip
+  glm::dvec3 steady{0.0, 0.0, 0.0};    // m, world: the displacement of the grip that keeps the force
+  double aside = 0.0, farthest = 0.0;  // m
 };
 
 /// What decides a pace.

@@ -34,8 +34,8 @@ struct MovingPart {
   RigidBody* body = nullptr;
   Displacement displacement{};            // output: of its centre of mass, and its rotation
   std::optional<AxisLimits> axis{};       // of a control: it touches nothing but other moving parts
-  FixedVector<GripPace, kHands> grips{};  // of a part that may slip in hands
-  bool slips = false;                     // output: its grips' pace made its motion shorter
+  FixedVector<GripPace, kHands> grips{};  // how far hands let a slipping part go
+  bool slips = false;                     // output: a GripPace made its motion shorter
   bool cutShort = false;                  // output: it lags because the step's iterations ran out
 };
 

@@ -12,8 +12,9 @@ namespace {
 
 // A hand that moved less than this while the ticks stood still keeps its contacts.
 constexpr double kStillInStall = 1e-3;  // m
-// A device that reads less often than the loop ticks, or in coarse steps, stands still in many ticks.
-constexpr double kWayDecay = 0.01;  // s
+// Time constant, s, of the memory of the fastest recent tick. A device that is read less often than the loop
+// ticks, or that measures in coarse steps, seems to stand still in most ticks.
+constexpr double kWayDecay = 0.01;
 
 }  // namespace
 

@@ -386,6 +386,7 @@ bool HeldParts::pulledStep(SimulatedPart& entry, const HandPulls& hands, const T
     couplings[count++] = couplingOf(entry.field, entry.body);
   }
   moving.step = coupleBody(entry.body, {couplings.data(), count}, load, weighs * gravity, dt);
+  // A part that another site or a tool moves too goes as fast as they move it.
   const bool movedByOthers = linked || entry.tool.stiffness > 0.0;
   if (!entry.slips || movedByOthers || !(parameters.slipChange > 0.0)) return true;
   const double handWay = std::max(hands[0].way, hands[1].way);

@@ -147,8 +147,8 @@ class HeldParts {
   void take(PartContact& contact, const TickParameters& parameters);
   /// Keeps a part that is being taken where it is, in open hands.
   static void stand(SimulatedPart& entry, const HandPulls& hands);
-  /// The step of a part that hands or links pull at, and the pace of its grips if it may slip; false if none
-  /// pulls.
+  /// Puts into `moving` the step of a part that hands or links pull at, and a GripPace for each hand if the
+  /// part may slip. False if nothing pulls.
   bool pulledStep(SimulatedPart& entry, const HandPulls& hands, const TickParameters& parameters,
                   const glm::dvec3& gravity, double now, MovingPart& moving);
   /// Adds the wrenches of the couplings on the hands after a part has moved, and reports its motion to its

@@ -45,7 +45,7 @@ TEST(GripPace, AllowsTheLargestShareWithinItsBounds) {
     const double pushed = i % 2 == 0 ? 0.0 : 2e-5;
     const Displacement done{random.vector(3e-5), random.vector(3e-4)},
         next{random.vector(2e-4), random.vector(2e-3)};
-    // Straight from the definition, in 1,000 steps.
+    // By trial of 1,001 shares.
     const auto lastWithin = [&](const glm::dvec3& place, double radius) {
       const auto distance = [&](int thousandths) {
         return glm::distance(atGrip(pace, done) + 1e-3 * thousandths * atGrip(pace, next), place);
