@@ -31,7 +31,7 @@ struct SideTimes {
   static constexpr std::size_t kMaxParts = 4;
 
   AllowedDepth allowed;
-  DueTimes due;  // empty: all samples within reach must be read
+  DueTimes due;                                  // empty: all samples within reach must be read
   FixedVector<std::uint32_t, kMaxParts> roots;   // the balls of the parts
   FixedVector<std::uint32_t, kMaxParts> opened;  // balls that hold those, parents first
 

@@ -293,7 +293,9 @@ Seat SampleRefiner::seatOf(const SideQuery& query, const ContactSample& sample,
   }
   ++descents_;
   const DescentBounds bounds{kDeeperBy * tolerance, sampleQuery.range};
-  Seat seat = deepestNear(query, sample, bounds, hint);
+  const KnownSeat* const last = ContactSamples::isSmooth(sample) ? lastSeat(query, sample) : nullptr;
+  Seat seat = deepestNear(query, sample, bounds, hint,
+                          last != nullptr ? EdgePlace{last->edge, last->point} : EdgePlace{});
   const bool looked = seat.least <= bounds.range;
   if (looked && (seat.edge == assets::kNone || ContactSamples::isSmooth(sample)))
     note(query, sample, sampleQuery, up, seat, false);
@@ -309,10 +311,14 @@ Seat SampleRefiner::seatOf(const SideQuery& query, const ContactSample& sample,
   return seat;
 }
 
+const KnownSeat* SampleRefiner::lastSeat(const SideQuery& query, const ContactSample& sample) const {
+  const PartModel& from = *query.from;
+  return seats_.find(query.sampled, indexOf(from, sample), query.target, from.features.get());
+}
+
 const KnownSeat* SampleRefiner::recallNear(const SideQuery& query, const ContactSample& sample) const {
   const PartModel& from = *query.from;
-  const KnownSeat* const known =
-      seats_.find(query.sampled, indexOf(from, sample), query.target, from.features.get());
+  const KnownSeat* const known = lastSeat(query, sample);
   if (known == nullptr) return nullptr;
   const double extent = from.samples.extent(sample);
   const glm::vec3 place(transformPoint(query.toFromSamples, sample.point) - query.to->field.origin());
@@ -327,8 +333,7 @@ const KnownSeat* SampleRefiner::recallNear(const SideQuery& query, const Contact
 const KnownSeat* SampleRefiner::recall(const SideQuery& query, const ContactSample& sample,
                                        const SampleQuery& sampleQuery, const glm::dvec3& up) const {
   const PartModel& from = *query.from;
-  const KnownSeat* const known =
-      seats_.find(query.sampled, indexOf(from, sample), query.target, from.features.get());
+  const KnownSeat* const known = lastSeat(query, sample);
   if (known == nullptr || known->level) return nullptr;
   const glm::vec3 place(sampleQuery.point - query.to->field.origin()),
       ownUp(glm::conjugate(query.toFromSamples.orientation) * up);

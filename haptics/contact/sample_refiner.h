@@ -88,6 +88,8 @@ class SampleRefiner final : public RowRefiner {
                            const glm::vec3& motion);
   /// Whether a seat is inside the target after u, by more than its field leaves open.
   bool entersAt(const SideQuery& query, const KnownSeat& known, const Displacement& u) const;
+  /// Where the last descent of a sample ended; null if that is not known.
+  const KnownSeat* lastSeat(const SideQuery& query, const ContactSample& sample) const;
   /// The sample's last seat while its part has moved little before the target; null otherwise.
   const KnownSeat* recallNear(const SideQuery& query, const ContactSample& sample) const;
   /// The sample's last seat while the target, in the direction `up`, touches it from the same side; null

@@ -47,8 +47,7 @@ void SharedGather::gatherSides(const Step& step) {
     task.depth = CandidateRows(side.query, times, step.memory, worker.rows, step.wide).gather(task.part);
     worker.rows.end(task.rows);
   });
-  for (; closed_ < sides_.size(); ++closed_)
-    sides_[closed_].times.close(sides_[closed_].query.from->samples);
+  for (; closed_ < sides_.size(); ++closed_) sides_[closed_].times.close(sides_[closed_].query.from->samples);
 }
 
 void SharedGather::appendPair(int pair, const Step& step) {

@@ -27,13 +27,6 @@ struct Height {
   glm::dvec3 up{0.0, 0.0, 0.0};  // unit
 };
 
-/// A point of an edge of the sampled part, in that part's frame.
-struct EdgePlace {
-  std::uint32_t edge = assets::kNone;
-  glm::dvec3 point{0.0, 0.0, 0.0};  // m
-  bool operator==(const EdgePlace&) const = default;
-};
-
 class Descent {
  public:
   Descent(const SampledModels& models, const ContactSample& sample, const DescentBounds& bounds,
@@ -47,6 +40,8 @@ class Descent {
         least_(height_.height) {}
 
   Seat run();
+  /// From a known place, after run() has ended at `other`: the deeper of both ends.
+  Seat runFrom(const EdgePlace& known, const Seat& other);
   /// m over the target, of a place of the sample's part.
   static double heightOf(const SampledModels& models, const ContactSample& sample, const glm::dvec3& place) {
     return Descent(models, sample, 0.0, glm::dvec3(0.0)).heightAt(place).height;
@@ -78,6 +73,8 @@ class Descent {
   };
   EdgeEnd endAt(double t, const Height& height) const;
   EdgePlace placeAt(double t) const { return {place_.edge, edgeStart() + t * edgeDirection()}; }
+  /// Within reach of the sample.
+  bool searchNear();
   /// Between `low` and `high`.
   bool searchEdge(double low, double high);
   /// From `far` back to where the search started, for a lower place beyond a hump: over a hollow target.
@@ -91,6 +88,7 @@ class Descent {
                          EdgePlace best) const;
   /// The same of all triangles that meet in the corner of `edge` where `best` is, up to a border.
   EdgePlace lowestAtCorner(const EdgeLine& edge, const glm::dvec3& up, EdgePlace best) const;
+  Seat seatHere(double least) const;
   /// Takes a place if it is deeper than the present one.
   bool take(const EdgePlace& place, const Height& height);
 
@@ -100,6 +98,11 @@ class Descent {
     const EdgeLine edge = ownEdges().line(place_.edge);
     return glm::normalize(edge.b - edge.a);
   }
+  double edgeLength() const {
+    const EdgeLine edge = ownEdges().line(place_.edge);
+    return glm::length(edge.b - edge.a);
+  }
+  double along() const { return glm::dot(edgeDirection(), place_.point - edgeStart()); }
   glm::dvec3 ownDirection(const glm::dvec3& direction) const {
     return glm::conjugate(models_.toFromSamples.orientation) * direction;
   }
@@ -228,7 +231,7 @@ Descent::EdgeEnd Descent::endAt(double t, const Height& height) const {
 }
 
 bool Descent::searchEdge(double low, double high) {
-  const EdgeEnd start = endAt(glm::dot(edgeDirection(), place_.point - edgeStart()), height_);
+  const EdgeEnd start = endAt(along(), height_);
   const double far = start.slope > 0.0 ? low : high, back = start.slope > 0.0 ? high : low;
   bool moved = false;
   if (std::abs(start.slope) * std::abs(far - start.t) > bounds_.slack) {
@@ -285,16 +288,35 @@ Seat Descent::run() {
   seat.least = height_.height - models_.from->samples.dip(sample_);
   if (seat.least > bounds_.range) return seat;
   bool moved = smooth() && descend();
-  const EdgeLine edge = ownEdges().line(place_.edge);
-  const double length = glm::length(edge.b - edge.a), reach = furthest();
-  const auto from = [&] { return glm::dot(edge.b - edge.a, place_.point - edge.a) / length; };
-  moved = searchEdge(std::max(0.0, from() - reach), std::min(length, from() + reach)) || moved;
-  seat.triangle = hint_;
+  moved = searchNear() || moved;
   seat.least = std::min(least_, height_.height);
-  if (!moved) return seat;
+  seat.triangle = hint_;
+  return moved ? seatHere(seat.least) : seat;
+}
+
+Seat Descent::runFrom(const EdgePlace& known, const Seat& other) {
+  const double least = height_.height;
+  const Height height = heightAt(known.point);
+  if (height.height > bounds_.range) return other;
+  place_ = known;
+  height_ = height;
+  descend();
+  searchNear();
+  return height_.height < least - bounds_.slack ? seatHere(std::min(other.least, height_.height)) : other;
+}
+
+bool Descent::searchNear() {
+  const double from = along(), reach = furthest();
+  return searchEdge(std::max(0.0, from - reach), std::min(edgeLength(), from + reach));
+}
+
+Seat Descent::seatHere(double least) const {
+  Seat seat;
   seat.edge = place_.edge;
   seat.point = transformPoint(models_.toFromSamples, place_.point);
-  seat.along = std::max(0.0, std::min(from(), length - from()));
+  seat.along = std::max(0.0, std::min(along(), edgeLength() - along()));
+  seat.least = least;
+  seat.triangle = hint_;
   return seat;
 }
 
@@ -360,8 +382,10 @@ bool isLevel(const SampledModels& models, const ContactSample& sample, const Lev
 }
 
 Seat deepestNear(const SampledModels& models, const ContactSample& sample, const DescentBounds& bounds,
-                 std::uint32_t hint) {
-  return Descent(models, sample, bounds, hint).run();
+                 std::uint32_t hint, const EdgePlace& known) {
+  Descent descent(models, sample, bounds, hint);
+  const Seat seat = descent.run();
+  return known.edge == assets::kNone ? seat : descent.runFrom(known, seat);
 }
 
 }  // namespace tandem::haptics

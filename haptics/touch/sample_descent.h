@@ -49,9 +49,17 @@ double smoothDip(const ContactSamples& all, const ContactSample& sample, const g
 bool isLevel(const SampledModels& models, const ContactSample& sample, const LevelBounds& bounds,
              const glm::dvec3& up, bool alone);
 
+/// A point of an edge of the sampled part, in that part's frame.
+struct EdgePlace {
+  std::uint32_t edge = assets::kNone;
+  glm::dvec3 point{0.0, 0.0, 0.0};  // m
+  bool operator==(const EdgePlace&) const = default;
+};
+
 /// The place near a sample at an edge that is deepest in the target, a mesh. `hint` is a triangle of the
-/// target that may be near.
+/// target that may be near. `known`: a place near a sample of a smooth surface from which to descend, too,
+/// because between there and the sample the part may be less deep; or no edge.
 Seat deepestNear(const SampledModels& models, const ContactSample& sample, const DescentBounds& bounds,
-                 std::uint32_t hint);
+                 std::uint32_t hint, const EdgePlace& known = {});
 
 }  // namespace tandem::haptics

@@ -38,8 +38,8 @@ struct SampleAnswer {
   glm::quat orientation{1.0f, 0.0f, 0.0f, 0.0f};  // of its part then, frame of the target
   int planes = 0;
   std::uint32_t triangle = kNoTriangle;  // of the target, the nearest one
-  std::uint32_t step = 0;              // in which it was found
-  std::array<AnsweredPlane, 4> plane;  // of its contact
+  std::uint32_t step = 0;                // in which it was found
+  std::array<AnsweredPlane, 4> plane;    // of its contact
 };
 
 class SampleMemory {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "haptics/touch/sample_descent.h"
 #include "tests/support/irregular_shapes.h"
@@ -125,6 +126,47 @@ TEST(SampleDescent, OfOnePartOrTheOtherGoesToTheDeepestPlace) {
   EXPECT_GT(moved, 100);
   EXPECT_GT(byTheOther, 0) << "one part's descents are enough";
   EXPECT_GT(above, 1e-5) << "the samples alone are as deep";
+}
+
+/// m over the target, of the place where a descent from a sample and from `known` ends.
+double seatedHeight(const haptics::SampledModels& models, const MeshSolid& to, const ContactSample& sample,
+                    const haptics::EdgePlace& known) {
+  const haptics::Seat seat = deepestNear(models, sample, {kSlack, kNear}, haptics::kNoTriangle, known);
+  const bool moved = seat.edge != assets::kNone;
+  return to.distance(moved ? seat.point : transformPoint(models.toFromSamples, sample.point));
+}
+
+/// Where descents of other samples ended, a sample near by may not arrive by itself.
+TEST(SampleDescent, FromAKnownPlaceEndsNoHigherThanThere) {
+  const MeshSolid from(irregularMesh(Family::blobs, 2)), to(irregularMesh(Family::blobs, 3));
+  int seen = 0, missed = 0;
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    const haptics::SampledModels models = Apart(from, to, seed).models;
+    std::vector<haptics::EdgePlace> ends;
+    const auto forEachNear = [&](auto&& visit) {
+      for (const ContactSample& sample : from.model.samples.samples())
+        if (haptics::ContactSamples::isSmooth(sample) &&
+            to.distance(transformPoint(models.toFromSamples, sample.point)) < kNear)
+          visit(sample);
+    };
+    forEachNear([&](const ContactSample& sample) {
+      const haptics::Seat seat = deepestNear(models, sample, {kSlack, kNear}, haptics::kNoTriangle);
+      if (seat.edge != assets::kNone)
+        ends.push_back({seat.edge, transformPoint(inverse(models.toFromSamples), seat.point)});
+    });
+    forEachNear([&](const ContactSample& sample) {
+      const double alone = seatedHeight(models, to, sample, {});
+      for (const haptics::EdgePlace& end : ends) {
+        if (glm::distance(sample.point, end.point) > from.model.samples.extent(sample)) continue;
+        const double there = to.distance(transformPoint(models.toFromSamples, end.point));
+        EXPECT_LE(seatedHeight(models, to, sample, end), std::min(alone, there) + kSlack);
+        missed += alone > there + 10.0 * kSlack ? 1 : 0;
+        ++seen;
+      }
+    });
+  }
+  EXPECT_GT(seen, 100);
+  EXPECT_GT(missed, 0);
 }
 
 /// A long cylinder is tilted over a table: its edges fall towards the table past every sample on them, and a
