@@ -55,19 +55,12 @@ void addParts(PartExperiment& e, assets::TriangleSoup held, assets::TriangleSoup
            turned);
 }
 
-/// The hand's velocity as the tick receives it: the displacement since the last tick, divided by the time.
-glm::dvec3 velocityAt(const PartExperiment& e, std::size_t i) {
-  return i == 0 ? glm::dvec3(0.0) : (e.path[i].goal - e.path[i - 1].goal) / kDt;
-}
-
-/// Sets the exact force: spring and damper between the hand's target and an ideal part that is held back
-/// along some axes (1 in `held`) and follows without lag along the others (0).
-void pushBack(PartExperiment& e, std::size_t i, const glm::dvec3& ideal, const glm::dvec3& idealVelocity,
-              const glm::dvec3& held) {
+/// Sets the exact force: the spring between the hand's target and an ideal part that is held back along some
+/// axes (1 in `held`) and follows without lag along the others (0). Of a part that touches others the hand
+/// does not feel the damper.
+void pushBack(PartExperiment& e, std::size_t i, const glm::dvec3& ideal, const glm::dvec3& held) {
   ASSERT(i < e.path.size());
-  const glm::dvec3 spring = e.stiffness * (ideal - e.path[i].goal);
-  const glm::dvec3 damper = e.damping * (idealVelocity - velocityAt(e, i));
-  e.path[i].exactForce = held * (spring + damper);
+  e.path[i].exactForce = held * (e.stiffness * (ideal - e.path[i].goal));
 }
 
 constexpr double kPegRadius = 10.0 * kMillimetre, kPegClearance = 0.01 * kMillimetre;  // radial
@@ -116,7 +109,6 @@ PartExperiment pegInBore(int ticks, const Cut& cut) {
   PartExperiment e;
   const double room = kPegRadius + kPegClearance - kPegRadius * std::cos(kPi / cut.sides);
   const double aside = kPegClearance + 0.02 * kMillimetre;
-  glm::dvec2 before(0.0);
   for (int i = 0; i < ticks; ++i) {
     const double angle = 0.3 + 0.5 * kDt * std::max(0, i - 150), out = aside * smooth(i / 100.0);
     const glm::dvec2 goal = out * glm::dvec2(std::cos(angle), std::sin(angle));
@@ -126,9 +118,7 @@ PartExperiment pegInBore(int ticks, const Cut& cut) {
     point.goal = {goal.x, -kEngaged, -goal.y};
     point.contact = point.force = i >= 300;
     point.depth = true;
-    const glm::dvec2 speed = (ideal - before) / kDt;
-    pushBack(e, e.path.size() - 1, {ideal.x, -kEngaged, -ideal.y}, {speed.x, 0.0, -speed.y}, glm::dvec3(1.0));
-    before = ideal;
+    pushBack(e, e.path.size() - 1, {ideal.x, -kEngaged, -ideal.y}, glm::dvec3(1.0));
   }
   // The grip is in the middle of the part of the peg that is in the bore, so that the wall's force does not
   // tilt it.
@@ -152,7 +142,7 @@ PartExperiment slidingCube(int ticks) {
     point.contact = i >= 150;
     point.force = i >= 450;
     point.depth = true;
-    pushBack(e, e.path.size() - 1, {0.0, 0.0, 0.5 * kSide}, glm::dvec3(0.0), {0.0, 0.0, 1.0});
+    pushBack(e, e.path.size() - 1, {0.0, 0.0, 0.5 * kSide}, {0.0, 0.0, 1.0});
     // The centrifugal force draws the hand outwards.
     point.exactForce += glm::dvec3(mass * kSpeed * kSpeed / kCircle * out, 0.0);
   }
@@ -179,7 +169,7 @@ PartExperiment plateOnPlate(int ticks) {
     point.contact = z < (phase < kStroke ? 0.2 : -2.0) * kMillimetre;
     point.force = z < -2.0 * kMillimetre && phase >= 65;
     point.depth = true;
-    pushBack(e, e.path.size() - 1, {0.0, 0.0, std::max(z, kThick)}, glm::dvec3(0.0), {0.0, 0.0, 1.0});
+    pushBack(e, e.path.size() - 1, {0.0, 0.0, std::max(z, kThick)}, {0.0, 0.0, 1.0});
   }
   e.targetDepth = 20e-6;
   addParts(e, box({40.0 * kMillimetre, 40.0 * kMillimetre, kThick}, 8),
@@ -198,7 +188,7 @@ PartExperiment cubeInBlock() {
     point.goal = glm::dvec3(20.0, 3.0, -1.0) * kMillimetre;
     point.contact = i >= 100;
     point.force = point.depth = i >= kOut;
-    pushBack(e, e.path.size() - 1, {0.5 * (kBlock + kSide), 0.0, 0.0}, glm::dvec3(0.0), {1.0, 0.0, 0.0});
+    pushBack(e, e.path.size() - 1, {0.5 * (kBlock + kSide), 0.0, 0.0}, {1.0, 0.0, 0.0});
   }
   addParts(e, box(glm::dvec3(kSide), 4), box(glm::dvec3(kBlock), 24));
   return e;

@@ -41,7 +41,7 @@ struct TickParameters {
   double torqueSlewLimit = 24.0;      // N·m/s: the same for the torque
   double foreignSlewLimit = 0.0;      // N/s: how fast parts that others move may change the force; 0 = any
   double deviceSlewLimit = 0.0;       // N/s: what the device can follow, whatever the cause; 0 = any
-  double slipChange = 0.12;           // N: of the force, a tick, as a part in the hand slips; 0 = any
+  double slipChange = 0.045;          // N a tick, of spring and damper each, as a held part slips; 0 = any
   double stiffnessLimit = 0.0;        // N/m, of any contact, whatever its material states; 0 = any
   double dampingLimit = 0.0;          // N·s/m, of a surface, as damping or viscosity; 0 = any
   double maxDeviceSpeed = 0.0;        // m/s: a reading that would need more is a jump; 0 = any

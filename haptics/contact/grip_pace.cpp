@@ -24,18 +24,19 @@ double shareWithin(const glm::dvec3& place, const glm::dvec3& way, double radius
 
 }  // namespace
 
-GripPace paceOf(const CouplingForce& pull, const GripMotion& motion, double force, double dt) {
+GripPace paceOf(const GripMotion& motion, double force) {
   GripPace pace;
-  if (!(pull.drag > 0.0)) {
+  if (!(motion.stiffness > 0.0)) {
     pace.aside = pace.farthest = std::numeric_limits<double>::infinity();
     return pace;
   }
-  // The force on the hand is drag * velocity - force (CouplingForce::onHand()).
-  const double way = dt / pull.drag;
-  pace.arm = pull.arm;
-  pace.steady = way * (motion.lastOnHand + pull.force);
-  pace.aside = way * (force + motion.stiffness * motion.handWay);
-  pace.farthest = std::max(motion.gripWay, motion.handWay + way * force);
+  const double way = force / motion.stiffness;
+  pace.arm = motion.arm;
+  pace.steady = (motion.lastOnHand + motion.spring) / motion.stiffness;
+  // Where the hand moves on and the part stays, the force changes by more than this or hardly less. The part
+  // may still turn aside.
+  pace.aside = std::max(way, std::hypot(way / 3.0, motion.handWay));
+  pace.farthest = std::max(motion.gripWay, motion.handWay + way);
   return pace;
 }
 

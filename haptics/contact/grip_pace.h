@@ -14,7 +14,6 @@
 
 #include <glm/vec3.hpp>
 
-#include "haptics/body/virtual_coupling.h"
 #include "haptics/solver/step_space.h"
 
 namespace tandem::haptics {
@@ -29,14 +28,16 @@ struct GripPace {
 
 /// What decides a pace.
 struct GripMotion {
-  glm::dvec3 lastOnHand{0.0, 0.0, 0.0};  // N, of the coupling in the last tick
-  double stiffness = 0.0;                // N/m, of the coupling
+  glm::dvec3 arm{0.0, 0.0, 0.0};         // m, world, from the part's centre of mass to the grip
+  glm::dvec3 lastOnHand{0.0, 0.0, 0.0};  // N, of the coupling's spring in the last tick
+  glm::dvec3 spring{0.0, 0.0, 0.0};      // N, of that spring on the part if it stood still
+  double stiffness = 0.0;                // N/m, of the spring
   double gripWay = 0.0, handWay = 0.0;   // m, that the grip and the hand go in a tick
 };
 
-/// The pace of a grip in a tick of dt seconds under its coupling. A slip may change the force on the hand by
-/// `force` (N, > 0) as it begins and where it ends, beyond what the hand's own motion does.
-GripPace paceOf(const CouplingForce& pull, const GripMotion& motion, double force, double dt);
+/// The pace of a grip in a tick. A slip may change the spring's force by `force` (N, > 0) in a tick, beyond
+/// what the hand's own motion does.
+GripPace paceOf(const GripMotion& motion, double force);
 
 /// The largest share, 0..1, of the displacement `next` of a part that keeps the pace after it has been
 /// displaced by `done` in the same tick, or comes as near to that as any. `pushed`: m that others may move

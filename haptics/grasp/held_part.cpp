@@ -109,6 +109,9 @@ Wrench endedPull(SimulatedPart& entry, double dt) {
   return {now.force, now.torque + glm::cross(arm, now.force)};
 }
 
+// A part that lets go of another one has been set in motion by its spring within this, s, unless it is so
+// heavy that it goes slowly.
+constexpr double kSlipTime = 0.1;
 constexpr double kFar = 0.15;          // s, of play-out
 constexpr double kRoundingTime = 0.5;  // s
 constexpr double kShort = 0.1;         // of the stretch at the limit: rounding takes 0.5 % of the force
@@ -356,15 +359,16 @@ bool HeldParts::pulledStep(SimulatedPart& entry, const HandPulls& hands, const T
   const bool linked = links_.has(entry.part);
   const Tie tie{linked, linked && links_.playOutDelay(entry.part) > kFar,
                 entry.body.mass * glm::length(gravity)};
-  FixedVector<Wrench, kHands> last;  // of the couplings, on the hands
+  FixedVector<glm::dvec3, kHands> last;  // N, of the springs on the hands
   for (std::size_t h = 0; h < kHands; ++h) {
     Grip& grip = entry.grips[h];
     const Wrench lastOnHand = std::exchange(grip.onHand, Wrench{});
     if (!grip.holds || hands[h].device == nullptr) continue;
     if (grip.firmness < 1.0)
       close(grip, entry.body.worldFromBody, hands[h].device->worldFromDevice, links_.carry(entry.part), dt);
-    couplings[count++] = couplingOf(grip, hands[h], entry.body, tie, dt);
-    last.push_back(lastOnHand);
+    couplings[count] = couplingOf(grip, hands[h], entry.body, tie, dt);
+    grip.damping = couplings[count++].gains.damping;
+    last.push_back(lastOnHand.force - grip.felt.last());
   }
   if (count == 0 && !linked) return false;
   const bool held = count > 0;
@@ -393,22 +397,28 @@ bool HeldParts::pulledStep(SimulatedPart& entry, const HandPulls& hands, const T
   const glm::dvec3 com = transformPoint(entry.body.worldFromBody, entry.body.centreOfMass);
   for (std::size_t i = 0; i < last.size(); ++i) {
     const CouplingForce& pull = moving.step.couplings[i];
+    const CouplingGains& gains = couplings[i].gains;
     const double gripWay =
         dt * glm::length(velocityAt(entry.body.worldFromBody, entry.body.twist, com + pull.arm));
-    moving.grips.push_back(paceOf(pull, {last[i].force, couplings[i].gains.stiffness, gripWay, handWay},
-                                  parameters.slipChange, dt));
+    moving.grips.push_back(paceOf({pull.arm, last[i], pull.force - gains.damping * couplings[i].device.linear,
+                                   gains.stiffness, gripWay, handWay},
+                                  parameters.slipChange));
   }
   return true;
 }
 
 void HeldParts::react(SimulatedPart& entry, const HandPulls& hands, const CoupledStep& step,
-                      const glm::dvec3& velocity, const glm::dvec3& spin,
+                      const glm::dvec3& velocity, const glm::dvec3& spin, bool touches, double slipChange,
                       std::array<Wrench, kHands>& onHands) {
   std::size_t coupling = 0;
   for (std::size_t h = 0; h < kHands; ++h) {
     Grip& grip = entry.grips[h];
     if (!grip.holds || hands[h].device == nullptr) continue;
-    grip.onHand = step.couplings[coupling++].onHand(velocity, spin);
+    const CouplingForce& pull = step.couplings[coupling++];
+    const glm::dvec3 atGrip = velocity + glm::cross(spin, pull.arm), &ofHand = hands[h].device->twist.linear;
+    grip.onHand = pull.onHand(velocity, spin);
+    grip.onHand.force +=
+        grip.felt.force(grip.damping, atGrip, ofHand, touches, slipChange) - grip.damping * (atGrip - ofHand);
     onHands[h] = onHands[h] + grip.onHand;
   }
   if (!links_.has(entry.part)) return;
@@ -434,6 +444,7 @@ void HeldParts::stand(SimulatedPart& entry, const HandPulls& hands) {
     Grip& grip = entry.grips[h];
     if (!grip.holds) continue;
     grip.onHand = Wrench{};
+    grip.felt = FeltDamper{};
     grip.damped = 0.0;
     if (hands[h].device != nullptr)
       grip.bodyFromGrip = inverse(entry.body.worldFromBody) * hands[h].device->worldFromDevice;
@@ -469,7 +480,7 @@ std::array<Wrench, kHands> HeldParts::step(const HandPulls& hands, const TickPar
       continue;
     }
     moveBody(entry.body, step.freeVelocity, step.freeSpin, dt);
-    react(entry, hands, step, step.freeVelocity, step.freeSpin, onHands);
+    react(entry, hands, step, step.freeVelocity, step.freeSpin, false, parameters.slipChange, onHands);
   }
   const std::size_t bodies = moving.size();  // controls follow them
   for (SimulatedPart& entry : parts_) {
@@ -491,8 +502,12 @@ std::array<Wrench, kHands> HeldParts::step(const HandPulls& hands, const TickPar
   for (std::size_t i = 0; i < bodies; ++i) {
     const Displacement& displacement = moving[i].displacement;
     SimulatedPart& entry = *entries[i];
-    react(entry, hands, moving[i].step, displacement.linear / dt, displacement.angular / dt, onHands);
-    entry.slips = !moving[i].cutShort && (moving[i].slips || contact->presses(entry.part));
+    entry.sinceTouched =
+        moving[i].slips || contact->presses(entry.part) ? 0.0 : std::min(1.0, entry.sinceTouched + dt);
+    const bool touches = entry.sinceTouched < kSlipTime;
+    entry.slips = touches && !moving[i].cutShort;
+    react(entry, hands, moving[i].step, displacement.linear / dt, displacement.angular / dt, touches,
+          parameters.slipChange, onHands);
     if (!entry.held() && !links_.has(entry.part) &&
         isFree(entry.part, gravityOn(entry.part, parameters, scene), contact))
       noteRest(entry, dt);

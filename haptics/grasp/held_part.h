@@ -25,6 +25,7 @@
 #include "haptics/body/virtual_coupling.h"
 #include "haptics/contact/part_contact.h"
 #include "haptics/grasp/controls.h"
+#include "haptics/grasp/felt_damper.h"
 #include "haptics/link/replica_links.h"
 #include "haptics/scene/contact_world.h"
 
@@ -57,6 +58,8 @@ struct Grip {
   double firmness = 1.0;  // 0..1: how far the fingers have closed
   double waited = 0.0;    // s, with open fingers, for the link to carry the part
   double damped = 1.0;    // 0..1: share of its damper, which a hand feels that moved while the part was taken
+  double damping = 0.0;   // N·s/m, of the coupling in this step
+  FeltDamper felt{};
 };
 
 /// A part simulated here.
@@ -66,13 +69,14 @@ struct SimulatedPart {
   std::array<Grip, kHands> grips;
   Fade ended;  // on the part: what a hand put on it that let go while the other one, or another site, held on
   glm::dvec3 endedAt{0.0, 0.0, 0.0};  // m, body frame: where
-  double sinceLetGo = 0.0;  // s; at rest from kSettleTime on. A control or a free part: since it last moved
-  Pose restPose;            // of a free part, where it was then
-  ToolPush tool;            // of the last tick
-  FieldPull field;          // of the next step, while a hand holds the part
-  Wrench rubbed;            // the same, of the surfaces that it slides on, about the centre of mass
-  MovedControl moved;       // a control moves along its axis only
-  bool slips = false;       // it pressed on another part in the last tick, or was slipping from one
+  double sinceLetGo = 0.0;    // s; at rest from kSettleTime on. A control or a free part: since it last moved
+  Pose restPose;              // of a free part, where it was then
+  ToolPush tool;              // of the last tick
+  FieldPull field;            // of the next step, while a hand holds the part
+  Wrench rubbed;              // the same, of the surfaces that it slides on, about the centre of mass
+  MovedControl moved;         // a control moves along its axis only
+  double sinceTouched = 1.0;  // s, since it pressed on another part or was kept from slipping faster
+  bool slips = false;         // it may slip in the next step: paceOf()
 
   bool held() const { return grips[0].holds || grips[1].holds; }
   /// Whether a hand that holds it has begun to close.
@@ -152,9 +156,10 @@ class HeldParts {
   bool pulledStep(SimulatedPart& entry, const HandPulls& hands, const TickParameters& parameters,
                   const glm::dvec3& gravity, double now, MovingPart& moving);
   /// Adds the wrenches of the couplings on the hands after a part has moved, and reports its motion to its
-  /// links.
+  /// links. `touches` others, and `slipChange`: FeltDamper::force().
   void react(SimulatedPart& entry, const HandPulls& hands, const CoupledStep& step,
-             const glm::dvec3& velocity, const glm::dvec3& spin, std::array<Wrench, kHands>& onHands);
+             const glm::dvec3& velocity, const glm::dvec3& spin, bool touches, double slipChange,
+             std::array<Wrench, kHands>& onHands);
   /// The step of a part that nobody holds; false if it stays where it is.
   static bool freeStep(SimulatedPart& entry, const glm::dvec3& gravity, double dt, const PartContact* contact,
                        const assets::Scene& scene, CoupledStep& step);

@@ -167,8 +167,15 @@ TEST(IrregularPresses, DescendAnewWhereThatMayBeWorthIt) {
 /// planes of its last answer hold it.
 TEST(IrregularPresses, KeepWhatAnEdgeTouchesAtItsEnd) { expectWithin({{Family::turned, 133, 3}}); }
 
-/// N, how much the force changes in a tick, at most, as a hand leads a part at 20 to 40 mm/s.
-constexpr double kGentle = 0.25;
+/// 6 to 20 um deep where a sample descends from its own place alone: between there and the place where the
+/// part touched last it is less deep.
+TEST(IrregularPresses, DescendFromWhereTheyLastTouched) {
+  expectWithin({{Family::blobs, 304, 4},
+                {Family::blobs, 321, 6},
+                {Family::blobs, 107, 6},
+                {Family::blocks, 345, 1},
+                {Family::turned, 340, 5}});
+}
 
 double changeOf(Family family, unsigned pair, unsigned pose, double slipChange) {
   haptics::TickParameters parameters = rigParameters();
@@ -182,8 +189,8 @@ TEST(IrregularPresses, SlipGently) {
   const double slipChange = haptics::TickParameters{}.slipChange;
   for (const Press& press : {Press{Family::blocks, 13, 3}, Press{Family::blocks, 24, 4},
                              Press{Family::turned, 20, 2}, Press{Family::turned, 34, 1}}) {
-    EXPECT_LE(changeOf(press.family, press.pair, press.pose, slipChange), kGentle) << press.pair;
-    EXPECT_GT(changeOf(press.family, press.pair, press.pose, 0.0), 2.0 * kGentle) << press.pair;
+    EXPECT_LE(changeOf(press.family, press.pair, press.pose, slipChange), 0.5 * kMostChange) << press.pair;
+    EXPECT_GT(changeOf(press.family, press.pair, press.pose, 0.0), 2.0 * kMostChange) << press.pair;
   }
 }
 
@@ -201,7 +208,8 @@ TEST(IrregularPresses, OfManyGoNoDeeperThanIsKnownOf) {
     const Figures figures = pressAll(family, 48, 7);
     EXPECT_LT(figures.deepest(), most);
     EXPECT_LE(figures.beyond, beyond);
-    EXPECT_LE(quantile(figures.steps, 1.0), kGentle);
+    EXPECT_LE(quantile(figures.steps, 1.0), 0.5 * kMostChange);
+    EXPECT_LE(quantile(figures.steps, 0.99), kUsualChange);
   };
   expect(Family::blobs, kSteadyDepth, 0);
   expect(Family::blocks, kSteadyDepth, 0);

@@ -248,8 +248,9 @@ TEST(OpenMouths, ThePegOfAnAssemblyBenchmarkFollowsTheHand) {
   report(rig);
   expectSound(rig);
   EXPECT_NEAR(rig.last().device.position.z - rig.last().part.position.z, 0.025, 1e-4);
+  // At 0.8 s a jam of 7 N opens, which may change the force by slipChange a tick.
   for (const RigTick& t : rig.ticks()) {
-    if (t.time >= 0.95) {
+    if (t.time >= 1.0) {
       EXPECT_LE(std::abs(t.toHand.force.z), 0.25) << t.time;
     }
   }

@@ -11,6 +11,9 @@
 
 namespace tandem::test {
 
+/// N a tick: what is asked of the change of force below 100 mm/s, at most and as the 99th percentile.
+inline constexpr double kMostChange = 0.25, kUsualChange = 0.05;
+
 inline constexpr double kSteadyDepth = 5e-6;  // m, that parts may be in each other, led slowly
 inline constexpr double kFastDepth = 20e-6;   // m, the same at 200 mm/s
 
