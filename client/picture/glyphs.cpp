@@ -91,7 +91,8 @@ void GlyphBatch::line(const glm::dvec3& start, const glm::dvec3& end, double pix
 }
 
 Result<std::unique_ptr<GlyphRenderer>> GlyphRenderer::make() {
-  const std::string header = std::string("#version 330 core\n") + shaders::kLighting;
+  std::string header = "#version 330 core\n";
+  header += shaders::kLighting;
   auto program = GlProgram::make("glyph", shaders::kGlyphVertex, header + shaders::kGlyphFragment);
   if (!program) return program.error();
   return std::unique_ptr<GlyphRenderer>(new GlyphRenderer(std::move(*program)));
