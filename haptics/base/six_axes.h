@@ -36,6 +36,11 @@ inline SixAxes shortened(const SixAxes& a, double limit) {
   return size > limit ? (limit / size) * a : a;
 }
 
+inline glm::dvec3 shortened(const glm::dvec3& a, double limit) {
+  const double size = glm::length(a);
+  return size > limit ? (limit / size) * a : a;
+}
+
 /// The axes of a twist or of a displacement (rotation vector), the lever `lever` m long.
 inline SixAxes axesOf(const Twist& twist, double lever) { return {twist.linear, lever * twist.angular}; }
 inline Wrench wrenchOf(const SixAxes& force, double lever) { return {force.along, lever * force.about}; }

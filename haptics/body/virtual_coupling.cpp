@@ -63,6 +63,7 @@ CouplingForce forceOf(const Pose& worldFromBody, const glm::dvec3& com, const Co
   c.arm = worldFromGrip.position - com;
   c.force = gains.stiffness * gap + gains.damping * coupling.device.linear;
   c.torque = gains.rotStiffness * angle + gains.rotDamping * coupling.device.angular;
+  c.damping = gains.damping;
   c.drag = gains.damping + dt * gains.stiffness;
   c.rotDrag = gains.rotDamping + dt * gains.rotStiffness;
   return c;

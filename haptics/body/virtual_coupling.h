@@ -47,11 +47,17 @@ struct CouplingForce {
   glm::dvec3 arm{0.0, 0.0, 0.0};     // m, from the centre of mass to the grip
   glm::dvec3 force{0.0, 0.0, 0.0};   // N, on the body if it stood still
   glm::dvec3 torque{0.0, 0.0, 0.0};  // N·m
+  double damping = 0.0;              // B, N·s/m
   double drag = 0.0, rotDrag = 0.0;  // B + T K, linear and angular
+
+  /// m/s, of the grip on a body that moves with this velocity and spin.
+  glm::dvec3 gripVelocity(const glm::dvec3& velocity, const glm::dvec3& spin) const {
+    return velocity + glm::cross(spin, arm);
+  }
 
   /// Wrench of the coupling on the hand when the body has moved with this velocity and spin.
   Wrench onHand(const glm::dvec3& velocity, const glm::dvec3& spin) const {
-    return {drag * (velocity + glm::cross(spin, arm)) - force, rotDrag * spin - torque};
+    return {drag * gripVelocity(velocity, spin) - force, rotDrag * spin - torque};
   }
 };
 

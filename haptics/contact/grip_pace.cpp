@@ -33,8 +33,8 @@ GripPace paceOf(const GripMotion& motion, double force) {
   const double way = force / motion.stiffness;
   pace.arm = motion.arm;
   pace.steady = (motion.lastOnHand + motion.spring) / motion.stiffness;
-  // Where the hand moves on and the part stays, the force changes by more than this or hardly less. The part
-  // may still turn aside.
+  // A part that stands still while its hand moves on is handWay from the steady place. The radius is larger
+  // than that, so that such a part may still move across the hand's way.
   pace.aside = std::max(way, std::hypot(way / 3.0, motion.handWay));
   pace.farthest = std::max(motion.gripWay, motion.handWay + way);
   return pace;

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "haptics/base/simd4.h"
+#include "haptics/base/six_axes.h"
 
 namespace tandem::haptics {
 namespace {
@@ -200,8 +201,7 @@ glm::dvec3 InterferenceFit::shiftOf(const SampledModels& models, const ContactSa
     const double more = share * depth_ - glm::dot(shift, direction);
     if (more > 0.0) shift += more * direction;
   }
-  const double length = glm::length(shift), most = greatestShift();
-  return length > most ? most / length * shift : shift;
+  return shortened(shift, greatestShift());
 }
 
 glm::dvec3 InterferenceFit::shift(const SampledModels& models, const ContactSample& sample, bool ofHollow,

@@ -2,16 +2,9 @@
 
 #include <glm/geometric.hpp>
 
+#include "haptics/base/six_axes.h"
+
 namespace tandem::haptics {
-namespace {
-
-glm::dvec3 shortened(const glm::dvec3& v, double most) {
-  const double length = glm::length(v);
-  return length > most ? most / length * v : v;
-}
-
-}  // namespace
-
 const glm::dvec3& FeltDamper::force(double damping, const glm::dvec3& grip, const glm::dvec3& hand,
                                     bool touches, double change) {
   const glm::dvec3 apart = grip - hand, whole = damping * apart;

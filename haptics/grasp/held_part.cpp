@@ -109,8 +109,8 @@ Wrench endedPull(SimulatedPart& entry, double dt) {
   return {now.force, now.torque + glm::cross(arm, now.force)};
 }
 
-// A part that lets go of another one has been set in motion by its spring within this, s, unless it is so
-// heavy that it goes slowly.
+// s after its last contact in which a part may still begin to slip. By then the spring of its hand has set it
+// in motion, unless it is so heavy that it moves slowly.
 constexpr double kSlipTime = 0.1;
 constexpr double kFar = 0.15;          // s, of play-out
 constexpr double kRoundingTime = 0.5;  // s
@@ -366,8 +366,7 @@ bool HeldParts::pulledStep(SimulatedPart& entry, const HandPulls& hands, const T
     if (!grip.holds || hands[h].device == nullptr) continue;
     if (grip.firmness < 1.0)
       close(grip, entry.body.worldFromBody, hands[h].device->worldFromDevice, links_.carry(entry.part), dt);
-    couplings[count] = couplingOf(grip, hands[h], entry.body, tie, dt);
-    grip.damping = couplings[count++].gains.damping;
+    couplings[count++] = couplingOf(grip, hands[h], entry.body, tie, dt);
     last.push_back(lastOnHand.force - grip.felt.last());
   }
   if (count == 0 && !linked) return false;
@@ -397,11 +396,10 @@ bool HeldParts::pulledStep(SimulatedPart& entry, const HandPulls& hands, const T
   const glm::dvec3 com = transformPoint(entry.body.worldFromBody, entry.body.centreOfMass);
   for (std::size_t i = 0; i < last.size(); ++i) {
     const CouplingForce& pull = moving.step.couplings[i];
-    const CouplingGains& gains = couplings[i].gains;
     const double gripWay =
         dt * glm::length(velocityAt(entry.body.worldFromBody, entry.body.twist, com + pull.arm));
-    moving.grips.push_back(paceOf({pull.arm, last[i], pull.force - gains.damping * couplings[i].device.linear,
-                                   gains.stiffness, gripWay, handWay},
+    moving.grips.push_back(paceOf({pull.arm, last[i], pull.force - pull.damping * couplings[i].device.linear,
+                                   couplings[i].gains.stiffness, gripWay, handWay},
                                   parameters.slipChange));
   }
   return true;
@@ -415,10 +413,10 @@ void HeldParts::react(SimulatedPart& entry, const HandPulls& hands, const Couple
     Grip& grip = entry.grips[h];
     if (!grip.holds || hands[h].device == nullptr) continue;
     const CouplingForce& pull = step.couplings[coupling++];
-    const glm::dvec3 atGrip = velocity + glm::cross(spin, pull.arm), &ofHand = hands[h].device->twist.linear;
+    const glm::dvec3 atGrip = pull.gripVelocity(velocity, spin), &ofHand = hands[h].device->twist.linear;
     grip.onHand = pull.onHand(velocity, spin);
     grip.onHand.force +=
-        grip.felt.force(grip.damping, atGrip, ofHand, touches, slipChange) - grip.damping * (atGrip - ofHand);
+        grip.felt.force(pull.damping, atGrip, ofHand, touches, slipChange) - pull.damping * (atGrip - ofHand);
     onHands[h] = onHands[h] + grip.onHand;
   }
   if (!links_.has(entry.part)) return;

@@ -58,7 +58,6 @@ struct Grip {
   double firmness = 1.0;  // 0..1: how far the fingers have closed
   double waited = 0.0;    // s, with open fingers, for the link to carry the part
   double damped = 1.0;    // 0..1: share of its damper, which a hand feels that moved while the part was taken
-  double damping = 0.0;   // N·s/m, of the coupling in this step
   FeltDamper felt{};
 };
 

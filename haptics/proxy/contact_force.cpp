@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "assets/base/assert.h"
+#include "haptics/base/six_axes.h"
 
 namespace tandem::haptics {
 namespace {
@@ -77,9 +78,8 @@ NormalForces normalForces(const std::array<glm::dvec3, 3>& normals, const std::a
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     wanted[i] = depths[i] * (stiffnesses[i] - mean) * share;
   }
-  glm::dvec3 across = spanned(normals, wanted, count);
-  const double most = kSteepest * stiffest * glm::length(lag), length = glm::length(across);
-  if (length > most) across *= most / length;
+  const glm::dvec3 across =
+      shortened(spanned(normals, wanted, count), kSteepest * stiffest * glm::length(lag));
   const std::array<double, 3> more = shares(normals, across, count);
   for (std::size_t i = 0; i < 3; ++i) result.along[i] += more[i];
   return result;

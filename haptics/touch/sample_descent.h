@@ -57,8 +57,9 @@ struct EdgePlace {
 };
 
 /// The place near a sample at an edge that is deepest in the target, a mesh. `hint` is a triangle of the
-/// target that may be near. `known`: a place near a sample of a smooth surface from which to descend, too,
-/// because between there and the sample the part may be less deep; or no edge.
+/// target that may be near. `known` is a second place from which to descend, near a sample of a smooth
+/// surface: where the part is less deep between the two, a descent from the sample alone would not arrive
+/// there. Without an edge it is left out.
 Seat deepestNear(const SampledModels& models, const ContactSample& sample, const DescentBounds& bounds,
                  std::uint32_t hint, const EdgePlace& known = {});
 

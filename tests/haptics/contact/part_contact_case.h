@@ -11,7 +11,8 @@
 
 namespace tandem::test {
 
-/// N a tick: what is asked of the change of force below 100 mm/s, at most and as the 99th percentile.
+/// N, by which the force on a hand slower than 100 mm/s may change from one tick to the next: the largest
+/// change and the 99th percentile of all changes.
 inline constexpr double kMostChange = 0.25, kUsualChange = 0.05;
 
 inline constexpr double kSteadyDepth = 5e-6;  // m, that parts may be in each other, led slowly

@@ -1,4 +1,4 @@
-// What a hand feels of the damper between it and a part that touches others.
+// The damping force that a hand feels while the part that it holds is in contact.
 
 #include <algorithm>
 #include <cmath>
