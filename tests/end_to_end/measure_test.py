@@ -10,6 +10,7 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "server"))
 from server_process import SCENE, Server, run, wait_for  # noqa: E402
+from steady import STEADY, steadily  # noqa: E402
 
 AGREES = 1e-6  # m
 TOP = [0.055, 0.2, 0.055]  # above a peg
@@ -77,6 +78,7 @@ def a_scripted_hand_measures_as_check_does(binaries, folder):
         print(f"differs by {worst:.3g} m at most")
 
 
+@steadily
 def what_is_held_is_measured_where_it_is(binaries, folder):
     """A peg is lifted and carried; its clearance to the bench is what it was lifted by."""
     script = [step(0.0, "clearance", parts=["bench", "peg_0.02"]),
@@ -84,12 +86,14 @@ def what_is_held_is_measured_where_it_is(binaries, folder):
               {"t": 0.8, "do": "move_relative", "by": [0, 0.05, 0], "over_s": 0.5},
               step(2.2, "clearance", parts=["bench", "peg_0.02"]), {"t": 2.3, "do": "release"}]
     with Server(binaries, folder) as server:
-        path, file = folder / "hand.json", folder / "document.json"
+        path, file, figures = folder / "hand.json", folder / "document.json", folder / "figures.json"
         path.write_text(json.dumps(script))
         done = subprocess.run([binaries / "tandem", "join", server.links("participant")[0], "--headless",
                                "--hand", path, "--no-part-contact", "--duration", "2.8", "--quiet",
-                               "--cache", folder / "cache"], capture_output=True, text=True, timeout=200)
+                               "--json", figures, "--cache", folder / "cache"],
+                              capture_output=True, text=True, timeout=200)
         assert done.returncode == 0 and not done.stderr, done
+        STEADY.stalls += json.loads(figures.read_text())["stalls"]
         subprocess.run([binaries / "tandem", "document", server.links("observer")[0], "export", file],
                        check=True, timeout=200, stdout=subprocess.DEVNULL)
         before, held = (entry["value"] for entry in json.loads(file.read_text())["entries"])

@@ -5,6 +5,8 @@ its force away and finds its tool elsewhere, a script goes on meanwhile: what su
 breaks, not that a part was moved as far as it should have been. A run that fails is judged again if the
 machine stood still during it, and counts as failed at once if it did not.
 """
+import functools
+import itertools
 import threading
 import time
 
@@ -62,3 +64,13 @@ class Steady:
 
 
 STEADY = Steady()
+
+
+def steadily(test):
+    """A test for server_process.run() that is judged so, each time in another folder."""
+    @functools.wraps(test)
+    def judged(binaries, folder):
+        attempts = itertools.count()
+        STEADY.judge(lambda: test(binaries, folder.with_name(f"{folder.name}_{next(attempts)}")),
+                     AssertionError)
+    return judged

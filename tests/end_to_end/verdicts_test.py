@@ -10,6 +10,7 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "server"))
 from server_process import Server, run, wait_for  # noqa: E402
+from steady import STEADY, steadily  # noqa: E402
 
 PEG, BOARD = "peg_0.5", "board"
 NOTHING = "0 clashes are new, 0 are gone, 0 are back"
@@ -39,10 +40,11 @@ class Runs:
         return done.stdout
 
     def hand(self, name, script):
-        path = self.folder / "hand.json"
+        path, figures = self.folder / "hand.json", self.folder / "figures.json"
         path.write_text(json.dumps(script))
         self.done("join", self.link("participant"), "--headless", "--name", name, "--hand", path,
-                  "--no-part-contact", "--duration", "3", "--quiet")
+                  "--json", figures, "--no-part-contact", "--duration", "3", "--quiet")
+        STEADY.stalls += json.loads(figures.read_text())["stalls"]
 
     def verdicts(self):
         path = self.folder / "document.json"
@@ -50,6 +52,7 @@ class Runs:
         return [each for each in json.loads(path.read_text())["entries"] if each["kind"] == "clash"]
 
 
+@steadily
 def a_clash_keeps_its_status_until_it_is_gone(binaries, folder):
     with Server(binaries, folder) as server:
         runs = Runs(binaries, server, folder)
