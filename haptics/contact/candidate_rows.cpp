@@ -11,7 +11,6 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr double kMostSag = 16.0;               // tolerances by which parts touch beside a sample at most
 constexpr std::uint32_t kWorthDividing = 1024;  // samples
 constexpr float kShallow = 0.25f;  // trusted errors up to which no answer is worth more than a dip
 constexpr float kBlade = 0.7f;     // rad (some 40 degrees) between the faces of a blade at least
@@ -44,12 +43,6 @@ void SideTimes::close(const ContactSamples& samples) const {
     due.nodes[opened[k - 1]] = leastOfChildren(samples, due, opened[k - 1]);
 }
 
-float CandidateRows::nearLimit(const SideQuery& query) {
-  const double sag =
-      std::min(static_cast<double>(query.from->samples.largestSag()), kMostSag * query.to->field.tolerance());
-  return std::max(query.limit, static_cast<float>(sag));
-}
-
 double CandidateRows::gather(std::size_t part) {
   const PartModel &from = *query_.from, &to = *query_.to;
   const FloatMotion motion(query_.toFromSamples, to.field.origin());
@@ -59,12 +52,12 @@ double CandidateRows::gather(std::size_t part) {
   };
   if (!times_.due.nodes.empty()) {
     // What is not visited is further than the reach from as deep as it may be.
-    deepen(times_.allowed.depth - near_);
-    DueSamples(from.samples, to.field, motion, times_.allowed, near_, times_.due, visit)
+    deepen(times_.allowed.depth - query_.limit);
+    DueSamples(from.samples, to.field, motion, times_.allowed, query_.limit, times_.due, visit)
         .read(times_.roots[part]);
     return static_cast<double>(deepest_);
   }
-  NearSamples near(from.samples, to.field, motion, near_);
+  NearSamples near(from.samples, to.field, motion, query_.limit, true);
   while (!near.done()) near.advance(visit);
   deepen(near.passedBy());
   return static_cast<double>(deepest_);
@@ -73,7 +66,8 @@ double CandidateRows::gather(std::size_t part) {
 void CandidateRows::addRows(std::uint32_t i, const glm::vec3& place, const Reading& read) {
   const ContactSample& sample = sampleAt(i);
   allowed_ = static_cast<float>(query_.allowed(sample));
-  clear_ = read.distance - read.error - sample.along + allowed_;
+  clear_ =
+      read.distance - read.error - ContactSamples::touchAbout(query_.from->samples.points()[i]) + allowed_;
   if (query_.to->byFormula()) return addShapeRows(i);
   if (query_.from->samples.isRound(sample)) return addPatchRow(i, place, read);
   addSampleRow(i, place, read);
@@ -156,15 +150,15 @@ void CandidateRows::addSampleRow(std::uint32_t i, const glm::vec3& place, const 
   if (query_.contained) return;
   const ContactSample& sample = sampleAt(i);
   const float least = read.distance - read.error + allowed_;
-  const bool smooth = ContactSamples::isSmooth(sample),
-             asItLies = !(allowed_ > 0.0f) && shift_ == glm::dvec3(0.0);
+  const bool smooth = ContactSamples::isSmooth(sample);
   // Between samples of a smooth surface the part may touch first.
-  float beside = smooth && asItLies ? query_.from->samples.sag(sample) : 0.0f;
+  float beside = smooth && asItLies() ? query_.from->samples.sag(sample) : 0.0f;
   if (read.error > query_.rough) return addAnsweredRows(i, place, nullptr, least - sample.along - beside);
+  if (smooth && least - beside > query_.limit) return;
   Dip dip;
   if (sample.along > 0.0f) dip = edgeDip(sample, place, read, least - query_.limit);
   if (dip.ofBlade) return addAnsweredRows(i, place, nullptr, least - sample.along);
-  if (!asItLies) dip.depth = 0.0f;
+  if (!asItLies()) dip.depth = 0.0f;
   if (!smooth && least - dip.depth > query_.limit) {
     clearAlong(sample, place, read);
     if (clear_ > query_.limit) return;
@@ -180,12 +174,14 @@ void CandidateRows::addSampleRow(std::uint32_t i, const glm::vec3& place, const 
   // A reading is taken to be too low, so that a contact at rest is not queried in every step.
   float gap = read.distance + read.error;
   // By what that leaves the sample deep beyond a tolerance, it may touch before its plane does.
-  if (read.error <= query_.smooth && asItLies)
+  if (read.error <= query_.smooth && asItLies())
     beside = std::max(beside, 2.0f * read.error - 0.5f * query_.smooth);
   if (read.error > query_.smooth) {
     if (isAnswered(i, place)) return addAnsweredRows(i, place, nullptr, least - sample.along);
     gap = read.distance - read.error;
-    alignToFace(i, read, normal, gap);
+    // Along the face the piece may dip otherwise than by the field.
+    if (alignToFace(i, read, normal, gap) && sample.along > 0.0f && asItLies())
+      dip.depth = std::max(dip.depth, edgeDip(sample, place, {gap, 0.0f, normal}, gap - query_.limit).depth);
   }
   addPlane(query_.world(normal), query_.armOf(place), gap - dip.depth + allowed_, query_.source(i), beside);
 }
@@ -202,6 +198,10 @@ bool CandidateRows::isTrusted(std::uint32_t sample, const glm::vec3& place,
 
 void CandidateRows::addPlanes(std::uint32_t i, const glm::vec3& place, const SampleAnswer& answer,
                               const ContactPatch* patch) {
+  const ContactSample& sample = sampleAt(i);
+  // Of a piece of edge, nothing is known any more once it has moved by the room that it had.
+  const bool isOpen = patch == nullptr && sample.along > 0.0f && asItLies() && answer.planes == 1 &&
+                      answer.plane[0].aside == glm::vec3(0.0f) && roomLeft(i, place, answer, nullptr) < 0.0f;
   for (std::size_t k = 0; k < static_cast<std::size_t>(answer.planes); ++k) {
     const AnsweredPlane& plane = answer.plane[k];
     const glm::vec3 &normal = plane.normal, seat = place + rotation_ * plane.aside;
@@ -213,6 +213,7 @@ void CandidateRows::addPlanes(std::uint32_t i, const glm::vec3& place, const Sam
       arm = query_.arm(lowest);
       gap += static_cast<float>(glm::dot(up, lowest - patch->sample()));
     }
+    if (isOpen) gap -= edgeDip(sample, place, {gap, 0.0f, normal}, gap - query_.limit).depth;
     // What rests on the plane obeys it as it will obey the exact row, so that it is not queried in vain.
     const auto demanded = static_cast<float>(query_.corrected(static_cast<double>(gap)));
     addPlane(query_.world(normal), arm, demanded, query_.source(i));
@@ -279,17 +280,18 @@ CandidateRows::Dip CandidateRows::dipTowards(const glm::vec3& along, const glm::
   return {std::max(end, depth + next.error), ofBlade};
 }
 
-void CandidateRows::alignToFace(std::uint32_t i, const Reading& read, glm::vec3& normal, float& gap) const {
+bool CandidateRows::alignToFace(std::uint32_t i, const Reading& read, glm::vec3& normal, float& gap) const {
   const SampleAnswer* const answer = memory_.find(query_.sampled, i, query_.target);
-  if (answer == nullptr) return;
+  if (answer == nullptr) return false;
   const Triangle face = query_.to->tree->triangle(answer->triangle);
   const glm::dvec3 p = transformPoint(query_.toFromSamples, sampleAt(i).point) + shift_,
                    up = query_.to->edges.normal(answer->triangle);
-  if (!closestPointOnTriangle(p, face).onFace) return;
+  if (!closestPointOnTriangle(p, face).onFace) return false;
   const double height = glm::dot(up, p - face.a);
-  if (std::abs(height - static_cast<double>(read.distance)) > static_cast<double>(read.error)) return;
+  if (std::abs(height - static_cast<double>(read.distance)) > static_cast<double>(read.error)) return false;
   normal = glm::vec3(up);
   gap = static_cast<float>(height);
+  return true;
 }
 
 }  // namespace tandem::haptics

@@ -41,14 +41,11 @@ struct SideTimes {
 
 class CandidateRows {
  public:
-  /// `wide`: samples of smooth surfaces count beyond the reach where their part may touch beside them.
-  CandidateRows(const SideQuery& query, const SideTimes& times, const SampleMemory& memory, ContactRows& rows,
-                bool wide)
+  CandidateRows(const SideQuery& query, const SideTimes& times, const SampleMemory& memory, ContactRows& rows)
       : query_(query),
         times_(times),
         memory_(memory),
         rows_(rows),
-        near_(wide ? nearLimit(query) : query.limit),
         turn_(query.toFromSamples.orientation),
         rotation_(glm::mat3_cast(query.toFromSamples.orientation)) {}
 
@@ -64,14 +61,13 @@ class CandidateRows {
  private:
   using Reading = DistanceField::Reading;
 
-  /// m, how near samples of smooth surfaces count, because their part may touch beside them first.
-  static float nearLimit(const SideQuery& query);
-
   const ContactSample& sampleAt(std::uint32_t i) const { return query_.from->samples.samples()[i]; }
   /// m, frame of the target: from the sample to the end of the piece of edge that it stands for.
   glm::vec3 alongOf(const ContactSample& sample) const {
     return sample.along * (rotation_ * query_.from->samples.axis(sample));
   }
+  /// Whether neither an overlap nor a fit says where the present sample may be.
+  bool asItLies() const { return !(allowed_ > 0.0f) && shift_ == glm::dvec3(0.0); }
   void deepen(float depth) { deepest_ = depth > deepest_ ? depth : deepest_; }
 
   // `i` is a sample and `place` where it is, m, relative to the origin of the target's field.
@@ -125,14 +121,13 @@ class CandidateRows {
   /// The same on the way to the next sample, down in the direction and length of `along`.
   Dip dipTowards(const glm::vec3& along, const glm::vec3& place, const Reading& read) const;
   /// Replaces the normal and gap of a field whose error is between smooth and rough by those of the face of
-  /// the last answer, while the sample is still before that face.
-  void alignToFace(std::uint32_t i, const Reading& read, glm::vec3& normal, float& gap) const;
+  /// the last answer, while the sample is still before that face. Whether it has.
+  bool alignToFace(std::uint32_t i, const Reading& read, glm::vec3& normal, float& gap) const;
 
   const SideQuery& query_;
   const SideTimes& times_;
   const SampleMemory& memory_;
   ContactRows& rows_;
-  const float near_;                 // m, how near samples count: the reach or more
   const glm::quat turn_;             // target from samples
   const glm::mat3 rotation_;         // the same
   glm::dvec3 shift_{0.0, 0.0, 0.0};  // m, of the present sample by an interference fit, frame of the target
@@ -159,7 +154,8 @@ bool CandidateRows::readAhead(const Ask& ask, CountedWork& work) {
     addAnyRows(i, place, read);
     return clear_;
   };
-  return DueSamples(from.samples, to.field, motion, times_.allowed, near_, times_.due, visit).readAhead(work);
+  return DueSamples(from.samples, to.field, motion, times_.allowed, query_.limit, times_.due, visit)
+      .readAhead(work);
 }
 
 }  // namespace tandem::haptics

@@ -45,7 +45,7 @@ void ContactStep::move(std::span<MovingPart* const> moving, const Tick& tick, in
     island_.place();
     reach_ = std::min(longest + island_.push(), shortReach(island_) + kGrowth * lastMotion_);
     refiner_.beginStep(tick.dt, reach_, tick.effort);
-    gather(reach_, tick.dt, steps == 0);
+    gather(reach_, tick.dt);
     joints_.addRows(island_, tick.dt, rows_);
     addAxisRows(island_, tick.dt, rows_);
     overlaps_.endStep();
@@ -63,10 +63,10 @@ void ContactStep::move(std::span<MovingPart* const> moving, const Tick& tick, in
   if (steps > 0) noteTouches(tick);
 }
 
-void ContactStep::gather(double reach, double dt, bool isFirst) {
+void ContactStep::gather(double reach, double dt) {
   rows_.clear();
   overlaps_.beginStep();
-  const SharedGather::Step step{island_, overlaps_, refiner_.memory(), clocks_, rows_, reach, isFirst};
+  const SharedGather::Step step{island_, overlaps_, refiner_.memory(), clocks_, rows_, reach};
   if (sharing_) shared_->findSides(step);
   for (int i = 0; i < island_.pairCount(); ++i) {
     if (!TICK_ASSERT(fault_, rows_.beginPair())) return;
@@ -82,7 +82,7 @@ void ContactStep::gatherPair(int pair, const SharedGather::Step& step) {
                           island_.pair(pair).closing(step.reach));
     const SideTimes times(query, clocks_);
     for (std::size_t part = 0; part < times.parts(); ++part)
-      overlaps_.noteDepth(pair, CandidateRows(query, times, step.memory, rows_, step.wide).gather(part));
+      overlaps_.noteDepth(pair, CandidateRows(query, times, step.memory, rows_).gather(part));
     times.close(query.from->samples);
   }
 }
@@ -113,7 +113,7 @@ bool ContactStep::readAhead(double dt, const ContactEffort& effort, CountedWork&
         refiner_.refine(source, {}, rows_);
       };
       const SideTimes times(query, clocks_);
-      if (!CandidateRows(query, times, refiner_.memory(), rows_, true).readAhead(ask, work)) return false;
+      if (!CandidateRows(query, times, refiner_.memory(), rows_).readAhead(ask, work)) return false;
     }
   }
   return true;

@@ -70,7 +70,7 @@ class ContactStep {
 
  private:
   /// Adds the candidate rows of all pairs that could touch within `reach` m.
-  void gather(double reach, double dt, bool isFirst);
+  void gather(double reach, double dt);
   /// Those of one pair.
   void gatherPair(int pair, const SharedGather::Step& step);
   /// Adds the exact rows of the cached contacts, so that what rests stays at rest. They are queried for the

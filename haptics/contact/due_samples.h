@@ -137,7 +137,7 @@ class DueSamples {
       Batch& batch = batches_[filling_];
       const glm::vec4& point = samples_.points()[i];
       batch.at[batch.count] = motion_(glm::vec3(point));
-      batch.samples[batch.count++] = {i, n, point.w, allowed};
+      batch.samples[batch.count++] = {i, n, ContactSamples::touchAbout(point), allowed};
       if (batch.count == kAtOnce) nextBatch();
     }
   }
@@ -159,7 +159,7 @@ class DueSamples {
 
   struct Collected {
     std::uint32_t index, leaf;
-    float radius, allowed;  // m, of what it stands for; that it may be deep
+    float radius, allowed;  // m, about it where its part may touch; that it may be deep
   };
   struct Batch {
     std::array<Collected, kAtOnce> samples;

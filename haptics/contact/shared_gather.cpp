@@ -44,7 +44,7 @@ void SharedGather::gatherSides(const Step& step) {
     times.due.visited = worker.visited;
     task.worker = number;
     task.rows = worker.rows.begin();
-    task.depth = CandidateRows(side.query, times, step.memory, worker.rows, step.wide).gather(task.part);
+    task.depth = CandidateRows(side.query, times, step.memory, worker.rows).gather(task.part);
     worker.rows.end(task.rows);
   });
   for (; closed_ < sides_.size(); ++closed_) sides_[closed_].times.close(sides_[closed_].query.from->samples);

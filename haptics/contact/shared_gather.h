@@ -29,7 +29,6 @@ class SharedGather {
     SideClocks& clocks;
     ContactRows& rows;
     double reach = 0.0;  // m
-    bool wide = false;   // CandidateRows
   };
 
   /// The helpers must outlive this.

@@ -61,10 +61,8 @@ void ContactSamples::sort() {
   set_.samples = std::move(sorted);
   set_.normals.shrink_to_fit();
   points_.reserve(set_.samples.size());
-  for (const ContactSample& sample : set_.samples) {
-    points_.emplace_back(glm::vec3(sample.point), sample.along);
-    if (isSmooth(sample)) largestSag_ = std::max(largestSag_, sag(sample));
-  }
+  for (const ContactSample& sample : set_.samples)
+    points_.emplace_back(glm::vec3(sample.point), isSmooth(sample) ? -sag(sample) : sample.along);
 }
 
 std::uint32_t ContactSamples::build(std::vector<std::uint32_t>& order, std::uint32_t begin,
@@ -86,7 +84,8 @@ std::uint32_t ContactSamples::build(std::vector<std::uint32_t>& order, std::uint
   double radius = 0.0;
   for (std::uint32_t i = begin; i < end; ++i) {
     const ContactSample& sample = set_.samples[order[i]];
-    radius = std::max(radius, glm::length(sample.point - rounded) + static_cast<double>(sample.along));
+    const float about = isSmooth(sample) ? sag(sample) : sample.along;
+    radius = std::max(radius, glm::length(sample.point - rounded) + static_cast<double>(about));
   }
   node.radius = roundUp(radius);
   if (end - begin > kMaxInLeaf) {

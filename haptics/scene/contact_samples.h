@@ -7,6 +7,8 @@
 //
 // 1. Immutable; sorted into a tree of balls; part frame.
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -49,8 +51,8 @@ class ContactSamples {
     double sharp = 0.14;         // rad: edges that turn by more are sampled along their length
   };
 
-  /// A ball that contains the samples [begin, end) with the edge pieces that they represent. Its halves are
-  /// the next node and `second`, which is 0 in a leaf.
+  /// A ball that contains the samples [begin, end) with all that they stand for. Its halves are the next node
+  /// and `second`, which is 0 in a leaf.
   struct Node {
     float centre[3];
     float radius;
@@ -73,8 +75,12 @@ class ContactSamples {
                  const Options& options);
 
   std::span<const ContactSample> samples() const { return set_.samples; }
-  /// Points and lengths `along` of the samples, m, in the layout that a tick reads.
+  /// Places of the samples, m, with `along` in w, or -sag() on a smooth surface, as a tick reads them.
   std::span<const glm::vec4> points() const { return points_; }
+  /// m about one of points(): the piece of edge or patch that its sample stands for.
+  static float pieceAbout(const glm::vec4& point) { return std::max(point.w, 0.0f); }
+  /// m about one of points() within which its part may touch another one before the sample does.
+  static float touchAbout(const glm::vec4& point) { return std::abs(point.w); }
   /// The direction of the piece of a straight edge that the sample represents, unit; zero for other samples.
   const glm::vec3& axis(const ContactSample& sample) const {
     return axes_[static_cast<std::size_t>(&sample - set_.samples.data())];
@@ -104,8 +110,6 @@ class ContactSamples {
   }
   /// The same of the sample that is nearest to the other part.
   float sag(const ContactSample& sample) const { return sample.turn * sagOfTurn_; }
-  /// m, the largest sag of all samples of smooth surfaces.
-  float largestSag() const { return largestSag_; }
   /// The same of what any sample of a mesh stands for: along a sharp edge at most its whole piece.
   double dip(const ContactSample& sample) const {
     return isSmooth(sample) ? smoothDip(sample) : static_cast<double>(sample.along);
@@ -125,7 +129,7 @@ class ContactSamples {
   std::uint32_t build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end);
 
   double spacing_ = 0.0, smoothSpacing_ = 0.0;
-  float sagOfTurn_ = 0.0f, largestSag_ = 0.0f;  // m a unit of ContactSample::turn; m
+  float sagOfTurn_ = 0.0f;  // m a unit of ContactSample::turn
   SampleSet set_;
   std::vector<glm::vec4> points_;
   std::vector<glm::vec3> axes_;

@@ -33,9 +33,10 @@ class NearSamples {
  public:
   static constexpr std::uint32_t kAtOnce = DistanceField::kMaxAtOnce;
 
+  /// `besides`: what a smooth surface may touch beside its samples counts as near, too.
   NearSamples(const ContactSamples& samples, const DistanceField& field, const FloatMotion& motion,
-              float reach)
-      : samples_(&samples), field_(&field), motion_(motion), reach_(reach) {
+              float reach, bool besides = false)
+      : samples_(&samples), field_(&field), motion_(motion), reach_(reach), besides_(besides) {
     if (!samples.nodes().empty()) stack_[top_++] = 0;
   }
 
@@ -87,14 +88,18 @@ class NearSamples {
     const glm::vec4* const points = samples_->points().data() + node.begin;
     // A patch may be deeper than its sample.
     const float patched = samples_->patches().empty() ? 0.0f : 1.0f;
+    const auto about = [&](std::uint32_t k) {
+      return besides_ ? ContactSamples::touchAbout(points[k]) : ContactSamples::pieceAbout(points[k]);
+    };
     for (std::uint32_t k = 0; k < count; ++k) at_[k] = motion_(glm::vec3(points[k]));
     field_->read(at_.data(), count, readings_.data());
     for (std::uint32_t k = 0; k < count; ++k) {
       if (readings_[k].distance + readings_[k].error >= 0.0f) allInside_ = false;
-      if (readings_[k].distance - readings_[k].error - points[k].w <= reach_)
+      if (readings_[k].distance - readings_[k].error - about(k) <= reach_)
         visit(node.begin + k, at_[k], readings_[k]);
       else
-        passedBy_ = std::max(passedBy_, readings_[k].error - readings_[k].distance + patched * points[k].w);
+        passedBy_ = std::max(passedBy_, readings_[k].error - readings_[k].distance +
+                                            patched * ContactSamples::pieceAbout(points[k]));
     }
   }
 
@@ -102,7 +107,7 @@ class NearSamples {
   const DistanceField* field_;
   FloatMotion motion_;
   float reach_, passedBy_ = -1.0f;  // m
-  bool allInside_ = true;
+  bool besides_ = false, allInside_ = true;
   // A tree of 2^32 samples is 28 levels deep, and each level leaves at most kAtOnce balls behind.
   std::array<std::uint32_t, 40 * kAtOnce> stack_;
   std::array<std::uint32_t, kAtOnce> leaves_;

@@ -267,12 +267,22 @@ bool Descent::searchFrom(double far, EdgeEnd start) {
 }
 
 bool Descent::searchBetween(EdgeEnd a, EdgeEnd b, bool moved) {
+  bool halved = false;
   for (int k = 0; k < kMaxHalvings; ++k) {
-    // The tangents of a convex function meet below its minimum.
+    // The tangents of a convex function meet below its minimum. Over a hollow target it may be lower than
+    // that, which one look in the middle tells, where it falls so far from an end.
     const double width = std::abs(b.t - a.t);
-    const double meet = (b.height - a.height + a.slope * a.t - b.slope * b.t) / (a.slope - b.slope);
-    if (!(a.height + a.slope * (meet - a.t) < height_.height - bounds_.slack)) break;
-    const double t = std::clamp(meet, std::min(a.t, b.t) + kEnd * width, std::max(a.t, b.t) - kEnd * width);
+    const double meet = (b.height - a.height + a.slope * a.t - b.slope * b.t) / (a.slope - b.slope),
+                 lowest = height_.height - bounds_.slack;
+    const bool lower = a.height + a.slope * (meet - a.t) < lowest;
+    if (!lower) {
+      const auto fallsTo = [&](const EdgeEnd& end) { return end.height - 0.5 * width * std::abs(end.slope); };
+      if (halved || !(std::min(fallsTo(a), fallsTo(b)) < lowest)) break;
+      halved = true;
+    }
+    const double t =
+        lower ? std::clamp(meet, std::min(a.t, b.t) + kEnd * width, std::max(a.t, b.t) - kEnd * width)
+              : 0.5 * (a.t + b.t);
     const EdgePlace place = placeAt(t);
     const Height height = heightAt(place.point);
     moved = take(place, height) || moved;

@@ -6,7 +6,8 @@
 // both. Over the edges of two convex surfaces the depth has one maximum. A descent goes to the place near by
 // that is lowest over the plane of contact found last, asks for the plane there, and so on; then it searches
 // the last edge for the point where the slope of the distance changes its sign. Over a hollow target it ends
-// at a place that no place close by is deeper than; along a sharp edge it also looks beyond a hump.
+// at a place that no place close by is deeper than; along an edge it also looks beyond where the tangents at
+// its ends meet, along a sharp one beyond a hump.
 //
 // 1. Free of state and of allocation.
 

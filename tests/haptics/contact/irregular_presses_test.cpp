@@ -177,6 +177,23 @@ TEST(IrregularPresses, DescendFromWhereTheyLastTouched) {
                 {Family::turned, 340, 5}});
 }
 
+/// 6 to 7 um deep where a sample counts only within 16 tolerances of the surface, whatever its part does
+/// beside it: both parts curve away from each other, or the target has a ridge.
+TEST(IrregularPresses, TouchFarBesideSamplesOfStronglyCurvedSurfaces) {
+  expectWithin({{Family::blobs, 319, 5}, {Family::blobs, 337, 6}, {Family::turned, 542, 0}});
+}
+
+/// 5.3 and 8.5 um deep where a search along an edge ends at the place where the tangents at its ends meet.
+TEST(IrregularPresses, AreSearchedOverHollowsOfTheirTarget) {
+  expectWithin({{Family::blobs, 141, 4}, {Family::blobs, 523, 1}});
+}
+
+/// 7.9 um deep where a piece of edge dips as the field says, and not as the face that its sample was last
+/// before; 7.8 um where its last answer holds although it has moved further than the room that it had then.
+TEST(IrregularPresses, JudgePiecesOfEdgesByTheFaceTheyAreBefore) {
+  expectWithin({{Family::turned, 539, 6}, {Family::blobs, 711, 0}});
+}
+
 double changeOf(Family family, unsigned pair, unsigned pose, double slipChange) {
   haptics::TickParameters parameters = rigParameters();
   parameters.slipChange = slipChange;

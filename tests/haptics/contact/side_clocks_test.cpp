@@ -16,6 +16,7 @@ namespace tandem::test {
 namespace {
 
 using haptics::AllowedDepth;
+using haptics::ContactSamples;
 using haptics::DistanceField;
 using haptics::DueTimes;
 using haptics::SampledModels;
@@ -71,7 +72,8 @@ class Led {
       seen[i] = true;
       ++read;
       const glm::vec4& sample = from.samples.points()[i];
-      return reading.distance - reading.error - sample.w + allowed.least(glm::vec3(sample), p, 0.0f);
+      return reading.distance - reading.error - ContactSamples::touchAbout(sample) +
+             allowed.least(glm::vec3(sample), p, 0.0f);
     };
     haptics::DueSamples(from.samples, to.field, motion, allowed, kReach, due, visit).read(0);
     for (std::size_t i = 0; i < seen.size(); ++i) {
@@ -79,9 +81,10 @@ class Led {
       const glm::vec3 p = motion(glm::vec3(sample));
       const DistanceField::Reading reading = to.field.read(p);
       // The distance of the mesh itself is at most this.
-      const float most = reading.distance + reading.error - sample.w + allowed.depth;
+      const float most =
+          reading.distance + reading.error - ContactSamples::touchAbout(sample) + allowed.depth;
       missed += !seen[i] && most <= kReach ? 1 : 0;
-      without += reading.distance - reading.error - sample.w <= kReach ? 1 : 0;
+      without += reading.distance - reading.error - ContactSamples::touchAbout(sample) <= kReach ? 1 : 0;
     }
   }
 

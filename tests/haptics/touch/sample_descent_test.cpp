@@ -21,12 +21,10 @@ using haptics::TriangleBvh;
 constexpr double kSlack = 1e-7, kApart = 50e-6, kNear = 1e-3;  // m
 
 struct MeshSolid {
-  explicit MeshSolid(assets::Mesh m)
+  explicit MeshSolid(assets::Mesh m, const haptics::ContactSamples::Options& sampling = {})
       : mesh(std::move(m)),
         tree(mesh),
-        model(tree,
-              std::make_shared<haptics::PartFeatures>(mesh, haptics::MeshEdges(mesh), true,
-                                                      haptics::ContactSamples::Options{}),
+        model(tree, std::make_shared<haptics::PartFeatures>(mesh, haptics::MeshEdges(mesh), true, sampling),
               haptics::DistanceField(tree, {})) {}
   /// m, below 0 inside; of solids without acute edges.
   double distance(const glm::dvec3& p) const {
@@ -167,6 +165,34 @@ TEST(SampleDescent, FromAKnownPlaceEndsNoHigherThanThere) {
   }
   EXPECT_GT(seen, 100);
   EXPECT_GT(missed, 0);
+}
+
+/// A piece of edge lies over a ridge beside a hollow, where the tangents at its ends say that it is not lower
+/// than where they meet.
+TEST(SampleDescent, AlongAnEdgeLooksBehindTheMeetingOfTangentsOverAHollow) {
+  constexpr double kMm = 1e-3, kUm = 1e-6, kDeepest = 5.0 * kUm;
+  const MeshSolid target(meshOf(prismSoup({{-0.8 * kMm, -0.5 * kMm},
+                                           {0.5 * kMm, -0.5 * kMm},
+                                           {0.5 * kMm, -110.0 * kUm},
+                                           {-0.09 * kMm, 2.8 * kUm},
+                                           {-0.13 * kMm, kDeepest},
+                                           {-0.42 * kMm, -3.5 * kUm},
+                                           {-0.8 * kMm, -6.0 * kUm}},
+                                          2.0 * kMm))),
+      bar(boxMesh(glm::dvec3(kMm)), {.spacing = kMm});
+  haptics::SampledModels models{&bar.model, &target.model, {}};
+  models.toFromSamples.orientation = fromRotationVector({0.25 * kPi, 0.0, 0.0});
+  models.toFromSamples.position = {0.0, std::sqrt(0.5) * kMm, kMm};
+  int seen = 0;
+  for (const ContactSample& sample : bar.model.samples.samples()) {
+    if (glm::length(transformPoint(models.toFromSamples, sample.point) - glm::dvec3(0.0, 0.0, kMm)) > kUm)
+      continue;
+    const haptics::Seat seat = deepestNear(models, sample, {kSlack, kNear}, haptics::kNoTriangle);
+    EXPECT_NE(seat.edge, assets::kNone);
+    EXPECT_LT(target.distance(seat.point), -0.95 * kDeepest);
+    ++seen;
+  }
+  EXPECT_EQ(seen, 1);
 }
 
 /// A long cylinder is tilted over a table: its edges fall towards the table past every sample on them, and a
