@@ -62,7 +62,7 @@ class ContactSamples {
   /// Spacings of the samples of a smooth surface that each of them stands for.
   static constexpr double kDescent = 1.5;
   /// Share of smoothDip() by which a part is nearer to another one than at its nearest sample at most.
-  static constexpr double kSag = 0.5;
+  static constexpr double kSag = 0.75;
 
   /// 1/64 of the mesh's diagonal, m. A straight edge needs no finer spacing, because a sample represents its
   /// piece of the edge; the error on a smooth surface is the sag over that length.
