@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "haptics/base/fixed_vector.h"
+#include "haptics/scene/friction_scale.h"
 #include "haptics/touch/sample_descent.h"
 
 namespace tandem::haptics {
@@ -408,8 +409,14 @@ void SampleRefiner::addRows(const SideQuery& query, const ContactSample& sample,
     // pushes it in and beyond that by a few tolerances a step.
     const double gap = query.corrected(std::max(plane.gap, -found.distance) + allowed);
     row.gap = std::max(gap, -island_.push() - kTolerancesOut * tolerance);
-    row.staticFriction = 0.5 * (mine.staticFriction + its.staticFriction);
-    row.dynamicFriction = 0.5 * (mine.dynamicFriction + its.dynamicFriction);
+    double myShare = 0.5, itsShare = 0.5;
+    if (world_.surfaces() != nullptr) {
+      const glm::dvec3 ownPlace = transformPoint(inverse(query.toFromSamples), plane.point);
+      myShare *= textureFriction(world_, query.sampled, sample.triangle, ownPlace);
+      itsShare *= textureFriction(world_, query.target, found.triangle, plane.point);
+    }
+    row.staticFriction = myShare * mine.staticFriction + itsShare * its.staticFriction;
+    row.dynamicFriction = myShare * mine.dynamicFriction + itsShare * its.dynamicFriction;
     row.source = source;
     row.source.side = static_cast<std::uint16_t>(source.side + 2 * i);
     rows.addExact(row);

@@ -8,10 +8,10 @@
 
 #include "assets/base/assert.h"
 #include "haptics/proxy/crease.h"
-#include "haptics/proxy/friction_scale.h"
 #include "haptics/proxy/proxy_planes.h"
 #include "haptics/proxy/proxy_steps.h"
 #include "haptics/proxy/surface_walk.h"
+#include "haptics/scene/friction_scale.h"
 
 namespace tandem::haptics {
 namespace {

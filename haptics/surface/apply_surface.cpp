@@ -9,7 +9,6 @@
 #include "assets/base/finite.h"
 #include "haptics/base/fixed_vector.h"
 #include "haptics/proxy/contact_force.h"
-#include "haptics/proxy/friction_scale.h"
 #include "haptics/scene/haptic_texture.h"
 #include "haptics/scene/surface_scene.h"
 

@@ -12,12 +12,14 @@ using assets::Surface;
 using assets::SurfaceTexture;
 
 /// The bar on a plate of one surface in z = 0, pressed on it with 1 N.
-std::unique_ptr<BarInHand> barOn(const Surface& surface, double couplingDamping = 2.0, bool effects = true) {
+std::unique_ptr<BarInHand> barOn(const Surface& surface, double couplingDamping = 2.0, bool effects = true,
+                                 double friction = 0.0) {
   SceneBuilder b;
   addBar(b, {0.0, 0.0, 0.05e-3});
   b.scene.surfaces.push_back(surface);
   b.scene.materials.emplace_back();
   if (effects) b.scene.materials[1].surface = 0;
+  b.scene.materials[1].staticFriction = b.scene.materials[1].dynamicFriction = friction;
   assets::Mesh plate = boxMesh({0.2, 0.2, 0.02});
   for (std::uint16_t& material : plate.triangleMaterial) material = 1;
   b.addPart(plate, {{0.0, 0.0, -0.01}, {1.0, 0.0, 0.0, 0.0}});
@@ -70,6 +72,20 @@ TEST(HeldSurfaces, ReliefFollowsTheContactForce) {
   BarInHand& hand = *made;
   for (int i = 0; i < 100; ++i) hand.by({0.0, 0.0, -1e-5});  // 2 N
   EXPECT_NEAR(stroke(hand, 0.02, 1000).most, 0.314, 0.06);
+}
+
+TEST(HeldSurfaces, FrictionIsThatOfItsMap) {
+  // All corners of the bar are on waves of one phase. Half of 0.2 and the bar's 0, once to four times.
+  Surface surface = sine(10e-3, 0.0);
+  surface.texture.frictionScale = 4.0;
+  const auto strokeWith = [&](bool effects) {
+    return stroke(*barOn(surface, 2.0, effects, 0.2), 0.02, 1000);
+  };
+  const Stroke felt = strokeWith(true), without = strokeWith(false);
+  EXPECT_NEAR(felt.least, -0.4, 0.03);
+  EXPECT_NEAR(felt.most, -0.1, 0.02);
+  EXPECT_NEAR(without.least, -0.1, 0.01);
+  EXPECT_NEAR(without.most, -0.1, 0.01);
 }
 
 TEST(HeldSurfaces, ViscosityDragsThePart) {
