@@ -179,7 +179,8 @@ void CandidateRows::addSampleRow(std::uint32_t i, const glm::vec3& place, const 
   if (read.error > query_.smooth) {
     if (isAnswered(i, place)) return addAnsweredRows(i, place, nullptr, least - sample.along);
     gap = read.distance - read.error;
-    // Along the face the piece may dip otherwise than by the field.
+    // Near an edge of the target the field's gradient is not the face's normal, along which the piece may dip
+    // more.
     if (alignToFace(i, read, normal, gap) && sample.along > 0.0f && asItLies())
       dip.depth = std::max(dip.depth, edgeDip(sample, place, {gap, 0.0f, normal}, gap - query_.limit).depth);
   }
@@ -199,7 +200,8 @@ bool CandidateRows::isTrusted(std::uint32_t sample, const glm::vec3& place,
 void CandidateRows::addPlanes(std::uint32_t i, const glm::vec3& place, const SampleAnswer& answer,
                               const ContactPatch* patch) {
   const ContactSample& sample = sampleAt(i);
-  // Of a piece of edge, nothing is known any more once it has moved by the room that it had.
+  // The planes hold for the whole piece of edge only until it has moved by its distance from the target then.
+  // From then on, the rest of the piece may be deeper than the sample.
   const bool isOpen = patch == nullptr && sample.along > 0.0f && asItLies() && answer.planes == 1 &&
                       answer.plane[0].aside == glm::vec3(0.0f) && roomLeft(i, place, answer, nullptr) < 0.0f;
   for (std::size_t k = 0; k < static_cast<std::size_t>(answer.planes); ++k) {

@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "haptics/base/fixed_vector.h"
-#include "haptics/scene/friction_scale.h"
+#include "haptics/scene/haptic_texture.h"
 #include "haptics/touch/sample_descent.h"
 
 namespace tandem::haptics {

@@ -11,7 +11,7 @@
 #include "haptics/proxy/proxy_planes.h"
 #include "haptics/proxy/proxy_steps.h"
 #include "haptics/proxy/surface_walk.h"
-#include "haptics/scene/friction_scale.h"
+#include "haptics/scene/haptic_texture.h"
 
 namespace tandem::haptics {
 namespace {

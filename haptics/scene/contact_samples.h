@@ -75,11 +75,14 @@ class ContactSamples {
                  const Options& options);
 
   std::span<const ContactSample> samples() const { return set_.samples; }
-  /// Places of the samples, m, with `along` in w, or -sag() on a smooth surface, as a tick reads them.
+  /// Positions of the samples, m, and in w, m, `along`, or -sag() of a sample of a smooth surface: a compact
+  /// copy for ticks.
   std::span<const glm::vec4> points() const { return points_; }
-  /// m about one of points(): the piece of edge or patch that its sample stands for.
+  /// Of one of points(): half length of the piece of edge, or radius of the patch, that the sample
+  /// represents, m; 0 on a smooth surface.
   static float pieceAbout(const glm::vec4& point) { return std::max(point.w, 0.0f); }
-  /// m about one of points() within which its part may touch another one before the sample does.
+  /// Of one of points(): the largest distance, m, of the sample from another part that its own part may touch
+  /// already, beside the sample.
   static float touchAbout(const glm::vec4& point) { return std::abs(point.w); }
   /// The direction of the piece of a straight edge that the sample represents, unit; zero for other samples.
   const glm::vec3& axis(const ContactSample& sample) const {

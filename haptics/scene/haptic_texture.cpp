@@ -6,6 +6,9 @@
 
 #include <glm/geometric.hpp>
 
+#include "haptics/geometry/triangle_bvh.h"
+#include "haptics/scene/force_shading.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -109,6 +112,30 @@ FacetHeight imageHeightOnFacet(const assets::TextureImage& image, const std::arr
   const glm::dvec2 origin(uv[0]), alongU = glm::dvec2(uv[1]) - origin, alongV = glm::dvec2(uv[2]) - origin;
   const Height h = imageHeight(image, origin + u * alongU + v * alongV);
   return {h.value, glm::dot(h.uvGradient, alongU), glm::dot(h.uvGradient, alongV)};
+}
+
+std::optional<Height> heightOnFacet(const assets::Scene& scene, const assets::SurfaceTexture& texture,
+                                    const assets::Mesh& mesh, std::uint32_t triangle,
+                                    const glm::dvec3& place) {
+  if (texture.pattern != Pattern::image) return patternHeight(texture.pattern, texture.wavelength, place);
+  PatchPoint onFacet;
+  if (triangle >= mesh.triangleUv.size() ||
+      !projectOntoPatch(mesh, nullptr, triangle, place, place, 1.0, onFacet))
+    return std::nullopt;
+  const FacetHeight h =
+      imageHeightOnFacet(scene.textures[texture.image], mesh.triangleUv[triangle], onFacet.u, onFacet.v);
+  return Height{h.value, h.byU * onFacet.uGradient + h.byV * onFacet.vGradient, {}};
+}
+
+double textureFriction(const ContactWorld& world, PartId part, std::uint32_t triangle,
+                       const glm::dvec3& place) {
+  const assets::Scene& scene = world.scene();
+  const assets::Material& material = world.material(part, triangle);
+  if (material.surface >= scene.surfaces.size()) return 1.0;
+  const assets::SurfaceTexture& texture = scene.surfaces[material.surface].texture;
+  if (texture.frictionScale == 1.0 || texture.pattern == Pattern::none) return 1.0;
+  const auto height = heightOnFacet(scene, texture, world.collider(part).tree->mesh(), triangle, place);
+  return height ? 1.0 + (texture.frictionScale - 1.0) * 0.5 * (height->value + 1.0) : 1.0;
 }
 
 }  // namespace tandem::haptics

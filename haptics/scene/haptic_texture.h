@@ -1,13 +1,17 @@
 #pragma once
 
-// Relief textures: heights and their gradients, from an image or a formula.
+// Relief textures: heights and their gradients, from an image or a formula, and the friction maps that go by
+// these heights.
 
 #include <array>
+#include <cstdint>
+#include <optional>
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "assets/scene/surface.h"
+#include "assets/scene/scene.h"
+#include "haptics/scene/contact_world.h"
 
 namespace tandem::haptics {
 
@@ -38,9 +42,22 @@ struct FacetHeight {
 FacetHeight imageHeightOnFacet(const assets::TextureImage& image, const std::array<glm::vec2, 3>& uv,
                                double u, double v);
 
-/// Factor on friction at a height of -1..1.
-inline double frictionShare(const assets::SurfaceTexture& texture, double value) {
-  return 1.0 + (texture.frictionScale - 1.0) * 0.5 * (value + 1.0);
+/// Height of a texture with a pattern at a place (m, part frame) of one facet, with its gradient there; none
+/// where an image has no coordinates.
+std::optional<Height> heightOnFacet(const assets::Scene& scene, const assets::SurfaceTexture& texture,
+                                    const assets::Mesh& mesh, std::uint32_t triangle,
+                                    const glm::dvec3& place);
+
+/// Factor that a relief texture with a friction map applies to the coefficients at a place (m, part frame) of
+/// one triangle; 1 elsewhere.
+double textureFriction(const ContactWorld& world, PartId part, std::uint32_t triangle,
+                       const glm::dvec3& place);
+
+/// Factor on both friction coefficients at one point of a surface, >= 0. Scenes without surfaces pay for one
+/// comparison.
+inline double frictionScale(const ContactWorld& world, const SurfacePoint& at) {
+  if (world.surfaces() == nullptr) return 1.0;
+  return textureFriction(world, at.part, at.triangle, transformPoint(inverse(world.pose(at.part)), at.point));
 }
 
 }  // namespace tandem::haptics

@@ -7,7 +7,6 @@
 
 #include "assets/base/across.h"
 #include "haptics/proxy/contact_force.h"
-#include "haptics/scene/force_shading.h"
 #include "haptics/scene/haptic_texture.h"
 #include "haptics/scene/surface_scene.h"
 
@@ -127,15 +126,9 @@ class HeldSurfaceTick {
   glm::dvec3 slopeAt(const SurfaceTexture& texture, const SurfacePoint& at) const {
     const Pose& pose = world_.pose(at.part);
     const glm::dvec3 x = glm::conjugate(pose.orientation) * (at.point - pose.position);
-    if (texture.pattern != SurfaceTexture::Pattern::image)
-      return pose.orientation * patternHeight(texture.pattern, texture.wavelength, x).gradient;
-    const assets::Mesh& mesh = world_.collider(at.part).tree->mesh();
-    if (at.triangle >= mesh.triangleUv.size()) return glm::dvec3(0.0);
-    PatchPoint place;
-    if (!projectOntoPatch(mesh, nullptr, at.triangle, x, x, 1.0, place)) return glm::dvec3(0.0);
-    const FacetHeight h = imageHeightOnFacet(world_.scene().textures[texture.image],
-                                             mesh.triangleUv[at.triangle], place.u, place.v);
-    return pose.orientation * (h.byU * place.uGradient + h.byV * place.vGradient);
+    const auto height =
+        heightOnFacet(world_.scene(), texture, world_.collider(at.part).tree->mesh(), at.triangle, x);
+    return height ? pose.orientation * height->gradient : glm::dvec3(0.0);
   }
 
   void noteDrag(const Surface& surface, const SurfacePoint& at, const glm::dvec3& normal,

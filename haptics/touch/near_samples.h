@@ -33,7 +33,8 @@ class NearSamples {
  public:
   static constexpr std::uint32_t kAtOnce = DistanceField::kMaxAtOnce;
 
-  /// `besides`: what a smooth surface may touch beside its samples counts as near, too.
+  /// `besides`: samples of smooth surfaces are near, too, while their part may touch beside them
+  /// (ContactSamples::touchAbout()).
   NearSamples(const ContactSamples& samples, const DistanceField& field, const FloatMotion& motion,
               float reach, bool besides = false)
       : samples_(&samples), field_(&field), motion_(motion), reach_(reach), besides_(besides) {

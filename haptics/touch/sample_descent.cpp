@@ -269,8 +269,8 @@ bool Descent::searchFrom(double far, EdgeEnd start) {
 bool Descent::searchBetween(EdgeEnd a, EdgeEnd b, bool moved) {
   bool halved = false;
   for (int k = 0; k < kMaxHalvings; ++k) {
-    // The tangents of a convex function meet below its minimum. Over a hollow target it may be lower than
-    // that, which one look in the middle tells, where it falls so far from an end.
+    // The tangents of a convex function meet below its minimum. Over a hollow target the distance is not
+    // convex, and may be lower: it is evaluated once in the middle, if the slope at an end reaches so low.
     const double width = std::abs(b.t - a.t);
     const double meet = (b.height - a.height + a.slope * a.t - b.slope * b.t) / (a.slope - b.slope),
                  lowest = height_.height - bounds_.slack;

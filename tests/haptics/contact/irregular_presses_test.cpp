@@ -189,8 +189,9 @@ TEST(IrregularPresses, AreSearchedOverHollowsOfTheirTarget) {
   expectWithin({{Family::blobs, 141, 4}, {Family::blobs, 523, 1}});
 }
 
-/// 7.9 um deep where a piece of edge dips as the field says, and not as the face that its sample was last
-/// before; 7.8 um where its last answer holds although it has moved further than the room that it had then.
+/// 7.9 um deep where the dip of a piece of edge is found by the gradient of the field alone, and not also by
+/// the normal of the face that was nearest to its sample when last queried; 7.8 um where the planes of that
+/// query hold for the whole piece after it has moved by more than its distance from the target then.
 TEST(IrregularPresses, JudgePiecesOfEdgesByTheFaceTheyAreBefore) {
   expectWithin({{Family::turned, 539, 6}, {Family::blobs, 711, 0}});
 }
