@@ -10,6 +10,7 @@
 
 #include "assets/base/assertion_scope.h"
 #include "assets/base/finite.h"
+#include "haptics/felt_through_parts.h"
 #include "haptics/lifted_tool.h"
 #include "haptics/section_change.h"
 #include "haptics/tick_data.h"
@@ -21,20 +22,6 @@ using Data = TickState::Data;
 
 // After this gap the device may be anywhere, so the proxy is reset instead of dragged.
 constexpr double kProxyResetAfter = 0.25;  // s
-// The curvature of a field is measured over no less than this.
-constexpr double kLeastOver = 1e-6;  // m
-
-HeldBody bodyUnder(const Hand& hand, const SimulatedPart& held) {
-  const RigidBody& body = held.body;
-  const glm::dmat3 turn = glm::mat3_cast(body.worldFromBody.orientation);
-  return {body.worldFromBody,
-          body.twist,
-          transformPoint(body.worldFromBody, body.centreOfMass),
-          body.mass,
-          turn * glm::inverse(body.inertia) * glm::transpose(turn),
-          hand.motion(),
-          hand.sentShare()};
-}
 
 /// What of the change of the force in this tick has which cause. `stiffness` N/m, between hand and surface.
 void explainChange(const Data& data, const TickParameters& parameters, double stiffness, ForceCause& cause) {
@@ -68,7 +55,7 @@ class Tick {
     runCommands();
     moveParts();
     simulateOwned();
-    if (data_.world.surfaces() != nullptr) feelSurfacesThroughParts();
+    if (data_.world.surfaces() != nullptr) feelSurfacesThroughParts(count_, data_, out_);
     updateLayers();
     updateSections();
     data_.tool.forgetIgnored(data_.held.held());
@@ -374,49 +361,13 @@ class Tick {
     if (first_.valid() && !holdsSolid()) bridgeSections(parameters_, spring, data_);
   }
 
-  /// What fields do to the parts in the hands. A part in both hands is pulled once.
-  void pullByFields(double now) {
-    const double step = parameters_.fadeTime > 0.0 ? parameters_.dt / parameters_.fadeTime : 1.0;
-    for (int h = 0; h < kHands; ++h) {
-      const auto index = static_cast<std::size_t>(h);
-      const SimulatedPart* const held = data_.held.heldPart(h);
-      const bool acts = held != nullptr && held->moved.control == nullptr && handOf(h).valid() &&
-                        !data_.isTaking(held->part);
-      double& share = data_.fieldShare[index];
-      share = std::clamp(share + (acts ? step : -step), 0.0, 1.0);
-      if (!acts || (h > 0 && data_.held.held(0) == held->part && handOf(0).valid())) {
-        data_.fieldsOnPart[index].forgetHand();
-        continue;
-      }
-      pullByFields(*held, data_.fieldsOnPart[index], share, now);
-    }
-  }
-
-  void pullByFields(const SimulatedPart& held, ForceFields& fields, double share, double now) {
-    const Pose& pose = held.body.worldFromBody;
-    DeviceSample centre;
-    centre.worldFromDevice.position = transformPoint(pose, held.body.centreOfMass);
-    centre.twist.linear = velocityAt(pose, held.body.twist, centre.worldFromDevice.position);
-    FieldSettings settings = fieldSettings(held.part);
-    // What a part can do within a tick, and at rest what rounding lets the differences tell.
-    settings.curvatureOver = std::max(2.0 * parameters_.dt * glm::length(centre.twist.linear), kLeastOver);
-    const FieldForces felt = fields.step(data_.world, centre, now, settings);
-    if (data_.held.links().has(held.part)) share *= data_.held.links().report(held.part).share;
-    data_.held.pull(held.part, {share * (felt.force - felt.damping), share * felt.damping,
-                                share * felt.curvature, share * felt.dampingRate});
-    out_.sourcePower += share * felt.sourcePower;
-    out_.flags |= felt.flags;
-  }
-
-  FieldSettings fieldSettings(PartId held) const {
-    return {parameters_.dt, parameters_.fadeTime, parameters_.fieldDampingLimit, held};
-  }
-
   void simulateOwned() {
     loadControls();
     loadFreeParts();
     const double now = noteTime();
-    if (!data_.fields.empty()) pullByFields(now);
+    if (!data_.fields.empty()) pullByFields(now, count_, parameters_, data_, out_);
+    const SurfaceScene* const surfaces = data_.world.surfaces();
+    if (surfaces != nullptr && surfaces->magneticReach > 0.0) pullByMagnets(count_, parameters_, data_, out_);
     HandPulls pulls;
     for (int h = 0; h < count_; ++h) pulls[static_cast<std::size_t>(h)] = handOf(h).pull();
     const std::array<Wrench, kHands> onHands =
@@ -430,35 +381,6 @@ class Tick {
     for (const SimulatedPart& entry : data_.held.parts()) {
       if (entry.held() && (data_.partContact == nullptr || !data_.partContact->collides(entry.part)))
         out_.flags |= kFlagHeldWithoutContact;
-    }
-  }
-
-  /// What the surfaces under the parts in the hands add. A part in both hands is felt by the first one.
-  void feelSurfacesThroughParts() {
-    for (int h = 0; h < count_; ++h) {
-      const auto index = static_cast<std::size_t>(h);
-      data_.throughPart[index] = Wrench{};
-      const SimulatedPart* const held = data_.held.heldPart(h);
-      const bool touches = held != nullptr && held->moved.control == nullptr &&
-                           data_.partContact != nullptr && handOf(h).valid() &&
-                           (h == 0 || !held->grips[0].holds);
-      if (!touches) {
-        data_.heldSurfaces[index] = {};
-        continue;
-      }
-      FixedVector<HeldTouch, PartTouches::kMax> list;
-      for (const PartTouch& touch : data_.partContact->touches()) {
-        if (touch.of != held->part && touch.part != held->part) continue;
-        const bool first = touch.of == held->part;
-        const PartId other = first ? touch.part : touch.of;
-        list.push_back(
-            {other, touch.point, first ? touch.normal : -touch.normal, touch.force, data_.held.owns(other)});
-      }
-      const HeldSurfaceForces felt =
-          feelThrough(data_.world, {list.data(), list.size()}, bodyUnder(handOf(h), *held),
-                      handOf(h).parameters(), data_.heldSurfaces[index]);
-      data_.throughPart[index].force = felt.onHand;
-      data_.held.rub(held->part, felt.onPart);
     }
   }
 
@@ -498,8 +420,8 @@ class Tick {
     data_.fieldWrench = Wrench{};
     const double share = (1.0 - data_.fieldShare[0]) * setDownShare(input_.lifted, parameters_, data_);
     if (!first_.valid() || !(share > 0.0)) return data_.fields.forgetHand();
-    const FieldForces felt =
-        data_.fields.step(data_.world, input_.hands[0].device, data_.time, fieldSettings(data_.held.held()));
+    const FieldForces felt = data_.fields.step(data_.world, input_.hands[0].device, data_.time,
+                                               fieldSettings(parameters_, data_.held.held()));
     data_.fieldWrench.force = share * felt.force;
     cause_.byTime = share * felt.sourceChange;
     out_.sourcePower += share * felt.sourcePower * first_.sentShare();

@@ -14,6 +14,7 @@
 #include "haptics/grasp/held_part.h"
 #include "haptics/moved_parts.h"
 #include "haptics/scene/contact_world.h"
+#include "haptics/surface/held_magnets.h"
 #include "haptics/surface/held_surfaces.h"
 #include "haptics/tick.h"
 #include "haptics/tool/tool.h"
@@ -43,6 +44,7 @@ struct TickState::Data {
   std::array<ForceFields, kHands> fieldsOnPart;   // on what a hand holds, at its centre of mass
   std::array<double, kHands> fieldShare{};        // 0..1, of fieldsOnPart; the rest acts at the tip
   std::array<HeldSurfaces, kHands> heldSurfaces;  // under what each hand holds
+  std::array<HeldMagnets, kHands> heldMagnets;    // near what each hand holds
   std::array<Wrench, kHands> throughPart;  // of these surfaces on each hand, of this tick, before limits
   bool lifted = false;                     // the tool, in the last tick
   double liftedShare = 0.0;  // 0..1, of the fields on the tip, which a lifted tool does not feel

@@ -112,7 +112,7 @@ constexpr FlagText kFlagTexts[] = {
     {haptics::kFlagHeldWithoutContact, "the held part passes through others", false},
     {haptics::kFlagProxyReset, "the tool was put back onto the hand", false},
     {haptics::kFlagInside, "inside a part: not felt until the tool has left it", false},
-    {haptics::kFlagPopThrough, "a surface gave way: the tool is through", false},
+    {haptics::kFlagPopThrough, "a surface gave way: it is passed through", false},
     {haptics::kFlagFieldLimited, "a force field is at its maximum", false},
     {haptics::kFlagLessEffort, "contact goes more slowly: this machine is short of time", false},
 };

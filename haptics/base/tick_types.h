@@ -125,9 +125,9 @@ enum TickFlag : std::uint32_t {
   kFlagStaleSample = 1u << 8,         // zero force: the reading's time stamp stands still
   kFlagSampleJump = 1u << 9,          // zero force: no hand moves this fast
   kFlagPassivity = 1u << 10,          // the passivity controller damps
-  kFlagPopThrough = 1u << 11,    // a surface was broken through: passed through until the tool has left it
-  kFlagFieldLimited = 1u << 12,  // a force field met its own maximum where that makes it inexact
-  kFlagLessEffort = 1u << 13,    // held parts are given less effort than set, for ticks took too long
+  kFlagPopThrough = 1u << 11,         // a surface gave way: it is passed through until it has been left
+  kFlagFieldLimited = 1u << 12,       // a force field met its own maximum where that makes it inexact
+  kFlagLessEffort = 1u << 13,         // held parts are given less effort than set, for ticks took too long
   kFlagInside = 1u << 14,  // a part is not felt: the tool is inside it, and passes through until it leaves
 };
 

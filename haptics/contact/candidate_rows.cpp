@@ -12,13 +12,14 @@ namespace tandem::haptics {
 namespace {
 
 constexpr std::uint32_t kWorthDividing = 1024;  // samples
-constexpr float kShallow = 0.25f;  // trusted errors up to which no answer is worth more than a dip
-constexpr float kBlade = 0.7f;     // rad (some 40 degrees) between the faces of a blade at least
+constexpr float kShallow = 0.25f;   // trusted errors up to which no answer is worth more than a dip
+constexpr double kSpacings = 1.25;  // of samples at which a part that passed through another has left it
+constexpr float kBlade = 0.7f;      // rad (some 40 degrees) between the faces of a blade at least
 
 }  // namespace
 
 SideTimes::SideTimes(const SideQuery& query, SideClocks& clocks) {
-  if (query.contained) return;
+  if (query.rowless) return;
   allowed = query.overlaps->allowed(query.pair, query.ofFirst(), query.to->field.origin());
   due = clocks.at(query.sampled, query.target, query, allowed);
   if (!due.nodes.empty()) divide(query.from->samples);
@@ -46,6 +47,7 @@ void SideTimes::close(const ContactSamples& samples) const {
 double CandidateRows::gather(std::size_t part) {
   const PartModel &from = *query_.from, &to = *query_.to;
   const FloatMotion motion(query_.toFromSamples, to.field.origin());
+  if (query_.passing) return leaves(motion) ? 0.0 : kSpacings * from.samples.spacing();
   const auto visit = [&](std::uint32_t i, const glm::vec3& place, const Reading& read) {
     addAnyRows(i, place, read);
     return clear_;
@@ -61,6 +63,16 @@ double CandidateRows::gather(std::size_t part) {
   while (!near.done()) near.advance(visit);
   deepen(near.passedBy());
   return static_cast<double>(deepest_);
+}
+
+bool CandidateRows::leaves(const FloatMotion& motion) const {
+  const ContactSamples& samples = query_.from->samples;
+  const auto reach = static_cast<float>(kSpacings * samples.spacing());
+  NearSamples near(samples, query_.to->field, motion, std::max(query_.limit, reach), true);
+  bool any = false;
+  while (!any && !near.done())
+    near.advance([&](std::uint32_t, const glm::vec3&, const Reading&) { any = true; });
+  return !any;
 }
 
 void CandidateRows::addRows(std::uint32_t i, const glm::vec3& place, const Reading& read) {
@@ -117,7 +129,7 @@ void CandidateRows::addShapeRows(std::uint32_t i) {
       }
     }
     deepen(static_cast<float>(-read.distance));
-    if (query_.contained || read.distance + allowed > limit) continue;
+    if (query_.rowless || read.distance + allowed > limit) continue;
     if (!shape.solid()) orientAgainst(outward, query_.to->field.tolerance(), read.gradient, read.distance);
     addPlane(query_.world(glm::vec3(read.gradient)), query_.arm(point),
              static_cast<float>(read.distance + allowed), query_.source(i));
@@ -127,7 +139,7 @@ void CandidateRows::addShapeRows(std::uint32_t i) {
 void CandidateRows::addPatchRow(std::uint32_t i, const glm::vec3& place, const Reading& read) {
   const ContactSample& sample = sampleAt(i);
   const float least = read.distance - read.error - sample.along;
-  if (query_.contained) return deepen(-least);
+  if (query_.rowless) return deepen(-least);
   const double slack = evenness(*query_.to);
   const ContactPatch patch = query_.from->samples.patches()[sample.patch].moved(query_.toFromSamples);
   PatchTouch touch;
@@ -147,7 +159,7 @@ void CandidateRows::addPatchRow(std::uint32_t i, const glm::vec3& place, const R
 
 void CandidateRows::addSampleRow(std::uint32_t i, const glm::vec3& place, const Reading& read) {
   deepen(read.error - read.distance);
-  if (query_.contained) return;
+  if (query_.rowless) return;
   const ContactSample& sample = sampleAt(i);
   const float least = read.distance - read.error + allowed_;
   const bool smooth = ContactSamples::isSmooth(sample);

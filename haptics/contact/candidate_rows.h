@@ -70,6 +70,10 @@ class CandidateRows {
   bool asItLies() const { return !(allowed_ > 0.0f) && shift_ == glm::dvec3(0.0); }
   void deepen(float depth) { deepest_ = depth > deepest_ ? depth : deepest_; }
 
+  /// Whether no sample is so near to a target which its part passes through that a surface may pierce the
+  /// other between samples.
+  bool leaves(const FloatMotion& motion) const;
+
   // `i` is a sample and `place` where it is, m, relative to the origin of the target's field.
 
   /// Adds the rows of one sample and sets `clear_`; with a fit of the pair or without.

@@ -156,6 +156,21 @@ void Overlaps::endStep() {
   }
 }
 
+void Overlaps::letPass(PartId first, PartId other) {
+  const auto end = std::remove_if(overlaps_.begin(), overlaps_.end(),
+                                  [&](const Overlap& o) { return o.fit == kNoFit && isOf(o, first, other); });
+  overlaps_.shrink(static_cast<std::size_t>(end - overlaps_.begin()));
+  if (overlaps_.full()) overlaps_.erase(overlaps_.begin());
+  // The last of several overlaps counts: a fit waits until the parts have passed.
+  overlaps_.push_back({first, other}).passing = true;
+}
+
+bool Overlaps::passes(PartId part) const {
+  return std::any_of(overlaps_.begin(), overlaps_.end(), [part](const Overlap& overlap) {
+    return overlap.passing && (overlap.a == part || overlap.b == part);
+  });
+}
+
 void Overlaps::forget(PartId part) {
   const auto end = std::remove_if(overlaps_.begin(), overlaps_.end(), [&](const Overlap& o) {
     return o.fit == kNoFit && (o.a == part || o.b == part);

@@ -56,6 +56,10 @@ class Overlaps {
   /// Remembers the overlap of two parts as it has been measured, with its fit or null. The oldest overlap is
   /// forgotten where there is no room.
   void remember(PartId first, PartId other, const MeasuredOverlap& measured, const InterferenceFit* fit);
+  /// From now on two parts pass through each other, until no sample of one is near the other.
+  void letPass(PartId first, PartId other);
+  /// Whether a part passes through another one.
+  bool passes(PartId part) const;
 
   // In a step, in this order: beginStep(); noteDepth() for each pair; endStep().
 
@@ -73,6 +77,8 @@ class Overlaps {
   /// Whether one part of the pair was wholly inside the other: instead of contact rows the pair has an exit
   /// row.
   bool contained(int pair) const;
+  /// Whether the parts of the pair pass through each other.
+  bool passing(int pair) const { return has(pair) && overlapOf(pair).passing; }
   /// m by which a sample of either part may be deep in the other, at a place that is given in both part
   /// frames. It is the whole depth where either part was in the other, and falls to 0 beside that.
   double allowedAt(int pair, const glm::dvec3& inFirst, const glm::dvec3& inOther) const;
@@ -96,6 +102,7 @@ class Overlaps {
     assets::Bounds inA, inB;         // m, part frames: where samples were inside
     double margin = 0.0;             // m beside the bounds, over which the allowed depth falls to 0
     bool contained = false;          // a is wholly inside b
+    bool passing = false;            // of letPass(); bounds and depth mean nothing
     glm::dvec3 exit{0.0, 0.0, 0.0};  // unit, in the frame of b
     int fit = kNoFit;                // into fits_
     bool aIsHollow = false;          // of a fit

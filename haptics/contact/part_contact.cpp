@@ -102,6 +102,11 @@ void PartContact::sectionsMoved(PartId part, const glm::dvec3& centreOfMass) {
   if (!isTaking(part) && collides(part)) takeAtOnce({part, centreOfMass}, false);
 }
 
+void PartContact::letPass(PartId part, PartId other) {
+  history_.forget(part);
+  overlaps_.letPass(part, other);
+}
+
 bool PartContact::pressesWhereCut(PartId part) const {
   constexpr double kLeast = 1e-3;  // N
   return std::any_of(touches().begin(), touches().end(), [&](const PartTouch& touch) {

@@ -76,6 +76,10 @@ class PartContact {
   /// Sections have moved. What they bring back of a part that moves here and of its neighbours may stay as
   /// deep in each other as it is.
   void sectionsMoved(PartId part, const glm::dvec3& centreOfMass);
+  /// From now on a part that moves here passes through another one, until it has left it.
+  void letPass(PartId part, PartId other);
+  /// Whether it passes through any.
+  bool passes(PartId part) const { return overlaps_.passes(part); }
   /// Whether a part presses at a place that sections cut away now, as of the last tick.
   bool pressesWhereCut(PartId part) const;
 

@@ -20,7 +20,8 @@ SideQuery::SideQuery(const ContactIsland& on, const Overlaps& known, std::uint16
   smooth = 2.0f * static_cast<float>(to->field.tolerance());
   rough = std::max(smooth, 0.12f * static_cast<float>(to->field.smallestCell()));
   trusted = static_cast<float>(kTrustedShare * from->samples.spacing());
-  contained = known.contained(pair);
+  passing = known.passing(pair);
+  rowless = passing || known.contained(pair);
   bool firstIsHollow = false;
   fit = known.fit(pair, firstIsHollow);
   sampledIsHollow = firstIsHollow == ofFirst();

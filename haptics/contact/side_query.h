@@ -71,7 +71,8 @@ struct SideQuery : SampledModels {
   float trusted = 0.0f;  // m that a sample may move before it is queried again
   const InterferenceFit* fit = nullptr;  // of the pair
   bool sampledIsHollow = false;          // the seat of the fit is in the part that is sampled
-  bool contained = false;                // one of the parts is inside the other and is brought out
+  // No row acts between the parts: one is inside the other and is brought out, or they are passing through.
+  bool rowless = false, passing = false;
   std::uint16_t pair = 0, side = 0;
   PartId sampled = kNoPart, target = kNoPart;
 };

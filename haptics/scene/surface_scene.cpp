@@ -26,6 +26,37 @@ void addReach(const assets::Material& material, const assets::Surface& surface, 
   part.reach = std::max({part.reach, relief, pulls ? surface.magneticDistance : 0.0});
 }
 
+bool isMagnet(const assets::Surface& surface) {
+  return surface.magneticForce > 0.0 && surface.magneticDistance > 0.0;
+}
+
+/// The magnets of a mesh; null if it has none.
+const std::vector<Magnet>* magnetsOf(const assets::Scene& scene, const TriangleBvh& tree, SurfaceScene& out) {
+  const assets::Mesh& mesh = tree.mesh();
+  std::map<std::uint32_t, std::vector<std::uint32_t>> faces;  // of each magnetic surface
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const std::uint16_t material =
+        t < mesh.triangleMaterial.size() ? mesh.triangleMaterial[t] : std::uint16_t{0};
+    if (material >= scene.materials.size()) continue;
+    const std::uint32_t surface = scene.materials[material].surface;
+    if (surface < scene.surfaces.size() && isMagnet(scene.surfaces[surface])) faces[surface].push_back(t);
+  }
+  if (faces.empty()) return nullptr;
+  std::vector<Magnet> magnets;
+  for (const auto& [surface, triangles] : faces) {
+    magnets.push_back({surface, &tree});
+    out.magneticReach = std::max(out.magneticReach, scene.surfaces[surface].magneticDistance);
+    if (triangles.size() == mesh.triangles.size()) continue;
+    assets::Mesh part;
+    part.positions = mesh.positions;
+    for (const std::uint32_t t : triangles) part.triangles.push_back(mesh.triangles[t]);
+    out.faces.push_back(std::make_unique<SomeFaces>(std::move(part)));
+    magnets.back().tree = &out.faces.back()->tree;
+  }
+  out.magnets.push_back(std::make_unique<const std::vector<Magnet>>(std::move(magnets)));
+  return out.magnets.back().get();
+}
+
 /// What a mesh adds to a part. A material without a surface is as smooth as the file's normals say.
 PartSurface surfaceOf(const assets::Scene& scene, const assets::Mesh& mesh, bool normals, SurfaceScene& out) {
   PartSurface part;
@@ -74,7 +105,10 @@ std::unique_ptr<SurfaceScene> makeSurfaceScene(const assets::Scene& scene,
     const TriangleBvh* tree = colliders[i].tree;
     if (tree == nullptr) continue;
     const auto [it, isNew] = known.try_emplace(tree);
-    if (isNew) it->second = surfaceOf(scene, tree->mesh(), hasNormals(tree), *out);
+    if (isNew) {
+      it->second = surfaceOf(scene, tree->mesh(), hasNormals(tree), *out);
+      it->second.magnets = magnetsOf(scene, *tree, *out);
+    }
     const PartSurface& part = it->second;
     out->parts[i] = part;
     any = any || part.any;

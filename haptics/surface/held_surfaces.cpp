@@ -19,6 +19,7 @@ using assets::SurfaceTexture;
 
 constexpr double kAlike = 0.75;  // cos of the angle between normals up to which touches are one contact
 constexpr double kReach = 0.25;  // of the other part's radius, within which its surface is sought
+constexpr double kBlow = 5e-3;   // s, in which a part that strikes a surface is at rest on it
 
 /// The touches with one side of one part, as one.
 struct Side {
@@ -103,6 +104,10 @@ class HeldSurfaceTick {
     HeldSurfaces::Slot& slot = slotOf(side);
     slot.active = true;
     slot.normal = normal;
+    if (surface.popThroughForce > 0.0) {
+      slot.pressed = side.force > surface.popThroughForce ? slot.pressed + parameters_.dt : 0.0;
+      if (slot.pressed >= kBlow) out_.givesWay = side.part;
+    }
     addRelief(surface.texture, material, at, normal, side.force);
     if (surface.vibrationAmplitude > 0.0)
       out_.onHand += normal * vibration(surface.vibrationFrequency, surface.vibrationAmplitude, side.force,

@@ -1,14 +1,15 @@
 #pragma once
 
-// What touched surfaces add where a part in the hand touches them: relief, vibration, viscosity, stick-slip.
+// What touched surfaces add where a part in the hand touches them: relief, vibration, viscosity, stick-slip,
+// pop-through. What acts before they are touched is in held_magnets.h.
 //
-// The contacts of a held part are rigid (haptics/contact), so laws, shading, magnets and pop-through have
-// nothing to act on. Those with one side of a part count as one, at their centre by force; N is their sum,
-// n the normal, h the relief.
+// The contacts of a held part are rigid (haptics/contact), so laws and shading have nothing to act on. Those
+// with one side of a part count as one, at their centre by force; N is their sum, n the normal, h the relief.
 //   relief      -N grad h across n, on the hand, of a slope of at most 1
 //   vibration   along n, on the hand, at most N, as with the bare tool
 //   viscosity and stick-slip    -k (s + T v) - c v across n, on the part in the next step; s the slip since
 //               the anchor, T the tick
+//   pop-through the part passes through once N has been above the surface's force for 5 ms
 // 1. Relief gives out no more than it got. An account grows by -F dx of the device, for the share of F that
 //    was sent; what a tick would give at twice the last motion is held to the account, and a tick's error is
 //    paid back first. The hand gets the force at the device's tip, without its moment: behind the coupling
@@ -65,6 +66,7 @@ struct HeldSurfaces {
     glm::dvec3 slip{0.0, 0.0, 0.0};  // m, world, since the anchor
     double stiffness = 0.0;          // N/m, of stick-slip in the last tick
     double phase = 0.0;              // turns, of the vibration
+    double pressed = 0.0;            // s, since it has been pressed harder than what it bears
   };
   std::array<Slot, kMaxSurfaceContacts> slots;
   glm::dvec3 relief{0.0, 0.0, 0.0};  // N, on the hand in the last tick
@@ -75,6 +77,7 @@ struct HeldSurfaces {
 struct HeldSurfaceForces {
   glm::dvec3 onHand{0.0, 0.0, 0.0};  // N, world
   Wrench onPart;                     // in the next step, about its centre of mass
+  PartId givesWay = kNoPart;         // the part passes through this one from now on
 };
 
 /// The surface effects of a tick in which the held part has these touches.

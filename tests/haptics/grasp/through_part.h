@@ -48,6 +48,11 @@ class BarInHand {
     commands_.push_back({kind, part, state_.worldFromPart(part)});
   }
 
+  /// Others put a part somewhere in the next tick.
+  void put(PartId part, const Pose& worldFromPart) {
+    commands_.push_back({haptics::PartCommand::Kind::setPose, part, worldFromPart});
+  }
+
   /// Goes by `step` m in a tick, and counts what the hand got on the way.
   void by(const glm::dvec3& step) {
     given += glm::dot(out.hands[0].toHand.force, step);

@@ -1,0 +1,144 @@
+#include "haptics/felt_through_parts.h"
+
+#include <algorithm>
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/matrix.hpp>
+
+namespace tandem::haptics {
+namespace {
+
+using Data = TickState::Data;
+
+// The curvature of a field is measured over no less than this.
+constexpr double kLeastOver = 1e-6;  // m
+
+/// The share of the fade time that a tick takes.
+double fadeStep(const TickParameters& parameters) {
+  return parameters.fadeTime > 0.0 ? parameters.dt / parameters.fadeTime : 1.0;
+}
+
+/// What a hand holds, if that may be pulled: no control, nothing that is still being taken, with a valid
+/// reading; else null.
+const SimulatedPart* pullable(const Data& data, std::size_t hand) {
+  const SimulatedPart* const held = data.held.heldPart(static_cast<int>(hand));
+  const bool may = held != nullptr && held->moved.control == nullptr && data.hands[hand].valid() &&
+                   !data.isTaking(held->part);
+  return may ? held : nullptr;
+}
+
+/// Whether the first hand holds what this hand holds, so that it is pulled already.
+bool isSecond(const Data& data, std::size_t hand, PartId held) {
+  return hand > 0 && data.held.held(0) == held && data.hands[0].valid();
+}
+
+void pullByFields(const SimulatedPart& held, ForceFields& fields, double share, double now,
+                  const TickParameters& parameters, Data& data, TickOutput& out) {
+  const Pose& pose = held.body.worldFromBody;
+  DeviceSample centre;
+  centre.worldFromDevice.position = transformPoint(pose, held.body.centreOfMass);
+  centre.twist.linear = velocityAt(pose, held.body.twist, centre.worldFromDevice.position);
+  FieldSettings settings = fieldSettings(parameters, held.part);
+  // What a part can do within a tick, and at rest what rounding lets the differences tell.
+  settings.curvatureOver = std::max(2.0 * parameters.dt * glm::length(centre.twist.linear), kLeastOver);
+  const FieldForces felt = fields.step(data.world, centre, now, settings);
+  if (data.held.links().has(held.part)) share *= data.held.links().report(held.part).share;
+  data.held.pull(held.part, {share * (felt.force - felt.damping), share * felt.damping,
+                             share * felt.curvature, share * felt.dampingRate});
+  out.sourcePower += share * felt.sourcePower;
+  out.flags |= felt.flags;
+}
+
+/// Where the magnet moves here too, both ends of the spring move in the same step, each as if the other one
+/// stood still. Twice the stiffness makes up for that: |a - b|^2 <= 2 |a|^2 + 2 |b|^2.
+void attract(PartId held, const MagnetPull& pull, double stiffness, Data& data) {
+  const glm::dvec3 force = stiffness * (pull.onMagnet - pull.onHeld);
+  const bool moves =
+      data.held.owns(pull.magnet) && assets::controlOf(data.world.scene(), pull.magnet) == nullptr;
+  const double yields = moves ? 2.0 * stiffness : stiffness;
+  data.held.attract(held, {force, pull.onHeld, yields});
+  if (moves) data.held.attract(pull.magnet, {-force, pull.onMagnet, yields});
+}
+
+HeldBody bodyUnder(const Hand& hand, const SimulatedPart& held) {
+  const RigidBody& body = held.body;
+  const glm::dmat3 turn = glm::mat3_cast(body.worldFromBody.orientation);
+  return {body.worldFromBody,
+          body.twist,
+          transformPoint(body.worldFromBody, body.centreOfMass),
+          body.mass,
+          turn * glm::inverse(body.inertia) * glm::transpose(turn),
+          hand.motion(),
+          hand.sentShare()};
+}
+
+/// The surfaces under what one hand holds.
+void feelSurfacesUnder(const SimulatedPart& held, std::size_t hand, Data& data, TickOutput& out) {
+  FixedVector<HeldTouch, PartTouches::kMax> list;
+  for (const PartTouch& touch : data.partContact->touches()) {
+    if (touch.of != held.part && touch.part != held.part) continue;
+    const bool first = touch.of == held.part;
+    const PartId other = first ? touch.part : touch.of;
+    list.push_back(
+        {other, touch.point, first ? touch.normal : -touch.normal, touch.force, data.held.owns(other)});
+  }
+  const HeldSurfaceForces felt =
+      feelThrough(data.world, {list.data(), list.size()}, bodyUnder(data.hands[hand], held),
+                  data.hands[hand].parameters(), data.heldSurfaces[hand]);
+  data.throughPart[hand].force = felt.onHand;
+  data.held.rub(held.part, felt.onPart);
+  if (felt.givesWay != kNoPart) data.partContact->letPass(held.part, felt.givesWay);
+  if (data.partContact->passes(held.part)) out.flags |= kFlagPopThrough;
+}
+
+}  // namespace
+
+FieldSettings fieldSettings(const TickParameters& parameters, PartId held) {
+  return {parameters.dt, parameters.fadeTime, parameters.fieldDampingLimit, held};
+}
+
+void pullByFields(double now, int hands, const TickParameters& parameters, Data& data, TickOutput& out) {
+  for (std::size_t h = 0; h < static_cast<std::size_t>(hands); ++h) {
+    const SimulatedPart* const held = pullable(data, h);
+    double& share = data.fieldShare[h];
+    share = std::clamp(share + (held != nullptr ? fadeStep(parameters) : -fadeStep(parameters)), 0.0, 1.0);
+    if (held == nullptr || isSecond(data, h, held->part))
+      data.fieldsOnPart[h].forgetHand();
+    else
+      pullByFields(*held, data.fieldsOnPart[h], share, now, parameters, data, out);
+  }
+}
+
+void pullByMagnets(int hands, const TickParameters& parameters, Data& data, TickOutput& out) {
+  data.held.forgetMagnets();
+  for (std::size_t h = 0; h < static_cast<std::size_t>(hands); ++h) {
+    HeldMagnets& magnets = data.heldMagnets[h];
+    const SimulatedPart* const held = pullable(data, h);
+    const bool acts = held != nullptr && data.partContact != nullptr &&
+                      data.partContact->collides(held->part) && !isSecond(data, h, held->part);
+    if (!acts) {
+      magnets.forget();
+      continue;
+    }
+    const ReplicaLinks& links = data.held.links();
+    const double share = links.has(held->part) ? links.report(held->part).share : 1.0;
+    for (const MagnetPull& pull : magnets.find(data.world, held->part, fadeStep(parameters), out.flags))
+      attract(held->part, pull, share * pull.stiffness, data);
+  }
+}
+
+void feelSurfacesThroughParts(int hands, Data& data, TickOutput& out) {
+  for (std::size_t h = 0; h < static_cast<std::size_t>(hands); ++h) {
+    data.throughPart[h] = Wrench{};
+    const SimulatedPart* const held = data.held.heldPart(static_cast<int>(h));
+    const bool touches = held != nullptr && held->moved.control == nullptr && data.partContact != nullptr &&
+                         data.hands[h].valid() && (h == 0 || !held->grips[0].holds);
+    if (touches)
+      feelSurfacesUnder(*held, h, data, out);
+    else
+      data.heldSurfaces[h] = {};
+  }
+}
+
+}  // namespace tandem::haptics
