@@ -59,6 +59,7 @@ bool changeSections(std::span<const Section> sections, int hands, Data& data) {
   const bool moved = !areSame(data.world.sections(), sections), usable = arePlanes(sections);
   if (moved && usable) cut(sections, data);
   if (moved && data.partContact != nullptr) cutHeldParts(hands, data);
+  if (data.bridging > 0) data.tool.noteNewGround();
   data.bridging = std::max(0, data.bridging - 1);
   return usable;
 }

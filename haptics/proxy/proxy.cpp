@@ -17,6 +17,9 @@ namespace tandem::haptics {
 namespace {
 
 constexpr int kMaxRounds = 24;
+constexpr int kFewRounds = 8;          // after a goal that went over few triangles
+constexpr double kRoundsAnEdge = 4.0;  // of the triangles' length that the goal went
+constexpr double kRoundsLate = 0.5;    // more for each move that ended too early
 constexpr int kMaxFrictionRounds = 4;
 constexpr double kConeError = 1e-3;  // of the friction ratio
 // Overrelaxation of a step beyond the point of its line nearest to the goal. It is below 2, so a step ends
@@ -165,6 +168,28 @@ double closeEnough(const Proxy& proxy, double radius) {
   return std::max(0.01 * smallestSkin(proxy), curved ? kNearEnough * depth : 0.0);
 }
 
+/// m, the longest edge of the triangles that press; 0 if none does.
+double longestEdge(const ContactWorld& world, const Proxy& proxy) {
+  double square = 0.0;
+  for (const ProxyPlane& plane : proxy.planes) {
+    if (!presses(plane)) continue;
+    const Triangle face = world.triangle(plane.surface.part, plane.surface.triangle);
+    const glm::dvec3 ab = face.b - face.a, bc = face.c - face.b, ca = face.a - face.c;
+    square = std::max({square, glm::dot(ab, ab), glm::dot(bc, bc), glm::dot(ca, ca)});
+  }
+  return std::sqrt(square);
+}
+
+/// How many rounds a move to the goal may take. Over rough ground the proxy may snap far after a small motion
+/// of the hand; what is left of the way is gone in the next ticks.
+int roundsFor(const ContactWorld& world, const glm::dvec3& goal, const Proxy& proxy) {
+  const double edge = longestEdge(world, proxy);
+  if (!proxy.goal || !(edge > 0.0)) return kMaxRounds;
+  const double few = std::min<double>(kMaxRounds, kFewRounds + kRoundsLate * proxy.late);
+  return static_cast<int>(
+      std::clamp<double>(kRoundsAnEdge * glm::distance(goal, *proxy.goal) / edge, few, kMaxRounds));
+}
+
 /// One move of the proxy towards a goal, in rounds of projection, surface walk and sweep.
 class Descent {
  public:
@@ -173,7 +198,7 @@ class Descent {
 
   /// Runs from planes that are up to date.
   void run() {
-    for (int round = 0; round < kMaxRounds; ++round) {
+    for (int round = 0; round < proxy_.rounds; ++round) {
       if (descendOnce()) return;
     }
     stopShort();
@@ -192,6 +217,7 @@ class Descent {
 
  private:
   void stopShort() {
+    ++proxy_.late;
     // The rounds are used up before the proxy has arrived. The planes that press on it must still be known,
     // or the force would drop to zero.
     const glm::dvec3 displacement = displacementToGoal(world_, goal_, radius_, proxy_);
@@ -339,11 +365,8 @@ void descend(const ContactWorld& world, const glm::dvec3& goal, double radius, P
   Descent(world, goal, radius, proxy).run();
 }
 
-}  // namespace
-
-void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
-  proxy.sweeps = 0;
-  refreshPlanes(world, radius, proxy);
+/// moveProxy() from planes that are up to date.
+void moveOverGround(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
   glm::dvec3 displacement = displacementToGoal(world, goal, radius, proxy);
   if (!touches(proxy)) {
     // Friction restarts at each landing.
@@ -375,6 +398,18 @@ void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius,
     displacement = displacementToGoal(world, goal, radius, proxy);
   }
   proxy.sliding = true;
+}
+
+}  // namespace
+
+void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
+  proxy.sweeps = 0;
+  refreshPlanes(world, radius, proxy);
+  proxy.rounds = roundsFor(world, goal, proxy);
+  const int late = proxy.late;
+  moveOverGround(world, goal, radius, proxy);
+  proxy.late = proxy.late > late ? late + 1 : 0;
+  proxy.goal = goal;
 }
 
 bool pushProxy(const ContactWorld& world, PartId part, const Pose& before, double radius, Proxy& proxy) {

@@ -15,6 +15,7 @@
 // 3. Both sides of every triangle are solid; the orientation of triangles does not matter.
 
 #include <cstdint>
+#include <optional>
 
 #include "haptics/base/fixed_vector.h"
 #include "haptics/geometry/plane_projection.h"
@@ -42,6 +43,9 @@ struct Proxy {
   // Length of the last move relative to its first tangent, >= 1. On a convex curve the proxy travels further
   // than the tangent step, and the next move starts with this factor.
   double stretch = 1.0;
+  std::optional<glm::dvec3> goal;  // of the last move, m, unless the ground has changed since
+  int rounds = 0;                  // that the present or last move may take
+  int late = 0;                    // moves one after another that ended before the proxy had arrived
   // The triangle on which the tool pressed last. A move back to a surface that was just lost is tested
   // against this triangle first, which bounds the sweep over all others.
   PartId lastPart = kNoPart;
@@ -49,8 +53,9 @@ struct Proxy {
 };
 
 /// Moves the proxy as near to the goal as the parts allow: constrained minimisation of the distance to the
-/// goal (god object). Work is bounded by 24 rounds of at most four sweeps. Sliding on costs one sweep and
-/// resting none; a face that holds the proxy beyond its own edge costs a few, because that edge is tried
+/// goal (god object). Work is bounded: rounds of at most four sweeps, eight where the goal has gone over few
+/// triangles since the last move, 24 where it has gone over six or more or the ground has changed, and more
+/// from one late move to the next. Sliding on costs one sweep and resting none; a face that holds the proxy beyond its own edge costs a few, because that edge is tried
 /// again each tick. The Coulomb friction of the touched materials holds by the friction cone (Harwin & Melder
 /// 2002). The proxy stays while the goal lies in the cone of the static coefficient; otherwise it is dragged
 /// along on the cone of the dynamic one. A sticking proxy keeps its position to the bit and costs no sweep; a

@@ -54,6 +54,7 @@ void Tool::follow(PartId part, const Pose& before, const Twist& twistBefore, boo
   if (!byHand && (proxy_.position != proxyBefore || pressesOn(part))) {
     noteForeignChange(expectedDisplacement(before, twistBefore, proxyBefore));
   }
+  if (proxy_.position != proxyBefore || pressesOn(part)) noteNewGround();
   if (!free) {
     flags_ |= kFlagSqueezed;
     ignore(part);
@@ -92,6 +93,7 @@ void Tool::ignore(PartId part) {
   }
   ignored_.push_back(part);
   world_.setIgnored(part, true);
+  noteNewGround();
 }
 
 void Tool::ignoreOverlapping() {
@@ -130,6 +132,7 @@ Wrench Tool::contactAnew(const TickParameters& parameters) {
   for (int i = 0; i < kMovesAnew; ++i) {
     const glm::dvec3 before = proxy_.position;
     moveTo(felt_.worldFromDevice.position);
+    noteNewGround();
     if (glm::distance(before, proxy_.position) < kStill) break;
   }
   TickOutput aside;
@@ -271,6 +274,7 @@ void Tool::followMeshChange() {
     ignore(part);
   }
   if (touched || proxy_.position != before) noteForeignChange(0.0);
+  noteNewGround();
 }
 
 void Tool::measureReach() {

@@ -73,6 +73,8 @@ class Tool {
   Wrench contactAnew(const TickParameters& parameters);
   /// Sections move. A part that they bring back over or around the proxy is passed through until it is left.
   void cut(const Sections& sections);
+  /// The ground under the proxy has changed, which may be far from its place then.
+  void noteNewGround() { proxy_.goal.reset(); }
   /// Others have changed the force; `expected` m of that displacement continue the motion of the last tick.
   void noteForeignChange(double expected);
 
