@@ -50,26 +50,38 @@ void pullByFields(const SimulatedPart& held, ForceFields& fields, double share, 
   out.flags |= felt.flags;
 }
 
-/// Where the magnet moves here too, both ends of the spring move in the same step, each as if the other one
-/// stood still. Twice the stiffness makes up for that: |a - b|^2 <= 2 |a|^2 + 2 |b|^2.
-void attract(PartId held, const MagnetPull& pull, double stiffness, Data& data) {
-  const glm::dvec3 force = stiffness * (pull.onMagnet - pull.onHeld);
-  const bool moves =
-      data.held.owns(pull.magnet) && assets::controlOf(data.world.scene(), pull.magnet) == nullptr;
-  const double yields = moves ? 2.0 * stiffness : stiffness;
-  data.held.attract(held, {force, pull.onHeld, yields});
-  if (moves) data.held.attract(pull.magnet, {-force, pull.onMagnet, yields});
+/// Whether a part moves as forces here move it.
+bool movesHere(const Data& data, const SimulatedPart& part) {
+  return part.moved.control == nullptr && !data.isTaking(part.part);
+}
+
+glm::dmat3 mobilityOf(const RigidBody& body) {
+  const glm::dmat3 turn = glm::mat3_cast(body.worldFromBody.orientation);
+  return turn * glm::inverse(body.inertia) * glm::transpose(turn);
+}
+
+using MagneticBodies = FixedVector<MagneticBody, kMaxOwnedParts>;
+MagneticBodies magneticBodies(const Data& data) {
+  MagneticBodies bodies;
+  for (const SimulatedPart& part : data.held.parts()) {
+    if (!movesHere(data, part)) continue;
+    const glm::dvec3 centre = transformPoint(part.body.worldFromBody, part.body.centreOfMass);
+    bodies.push_back({part.part, centre, part.body.mass, mobilityOf(part.body)});
+  }
+  return bodies;
+}
+
+/// Puts a force at a point on a part, if that moves here.
+void attract(const MagneticBodies& bodies, PartId part, const glm::dvec3& force, const glm::dvec3& point,
+             Data& data) {
+  for (const MagneticBody& body : bodies)
+    if (body.part == part) data.held.attract(part, {force, glm::cross(point - body.centre, force)});
 }
 
 HeldBody bodyUnder(const Hand& hand, const SimulatedPart& held) {
   const RigidBody& body = held.body;
-  const glm::dmat3 turn = glm::mat3_cast(body.worldFromBody.orientation);
-  return {body.worldFromBody,
-          body.twist,
-          transformPoint(body.worldFromBody, body.centreOfMass),
-          body.mass,
-          turn * glm::inverse(body.inertia) * glm::transpose(turn),
-          hand.motion(),
+  return {body.worldFromBody, body.twist,       transformPoint(body.worldFromBody, body.centreOfMass),
+          body.mass,          mobilityOf(body), hand.motion(),
           hand.sentShare()};
 }
 
@@ -112,6 +124,7 @@ void pullByFields(double now, int hands, const TickParameters& parameters, Data&
 
 void pullByMagnets(int hands, const TickParameters& parameters, Data& data, TickOutput& out) {
   data.held.forgetMagnets();
+  const MagneticBodies bodies = magneticBodies(data);
   for (std::size_t h = 0; h < static_cast<std::size_t>(hands); ++h) {
     HeldMagnets& magnets = data.heldMagnets[h];
     const SimulatedPart* const held = pullable(data, h);
@@ -123,8 +136,12 @@ void pullByMagnets(int hands, const TickParameters& parameters, Data& data, Tick
     }
     const ReplicaLinks& links = data.held.links();
     const double share = links.has(held->part) ? links.report(held->part).share : 1.0;
-    for (const MagnetPull& pull : magnets.find(data.world, held->part, fadeStep(parameters), out.flags))
-      attract(held->part, pull, share * pull.stiffness, data);
+    const HeldMagnets::Settings settings{parameters.dt, fadeStep(parameters), share};
+    for (const MagnetPull& pull :
+         magnets.find(data.world, held->part, {bodies.data(), bodies.size()}, settings, out.flags)) {
+      attract(bodies, held->part, pull.force, pull.onHeld, data);
+      attract(bodies, pull.magnet, -pull.force, pull.onMagnet, data);
+    }
   }
 }
 

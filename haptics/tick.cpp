@@ -331,6 +331,9 @@ class Tick {
     for (const PartTouch& touch : data_.partContact->touches()) {
       if (yields(touch.part)) notePushed(touch.part);
     }
+    for (const HeldMagnets& magnets : data_.heldMagnets)
+      for (const MagnetPull& pull : magnets.pulls())
+        if (givesWay(pull.magnet)) notePushed(pull.magnet);
     for (const SimulatedPart& entry : data_.held.parts()) {
       if (HeldParts::atRest(entry)) continue;
       data_.partContact->forEachJoined(entry.part, [&](PartId other) {

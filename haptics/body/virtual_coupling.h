@@ -32,8 +32,8 @@ struct RigidBody {
 };
 
 // Couplings on one body: two hands, or one hand and a tool; its links; the spring that leads it through an
-// outage; four magnets; force fields.
-inline constexpr int kMaxCouplings = 9;
+// outage; force fields.
+inline constexpr int kMaxCouplings = 5;
 
 /// A virtual coupling from a grip on a body to a device.
 struct Coupling {

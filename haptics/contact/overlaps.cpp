@@ -173,7 +173,7 @@ bool Overlaps::passes(PartId part) const {
 
 void Overlaps::forget(PartId part) {
   const auto end = std::remove_if(overlaps_.begin(), overlaps_.end(), [&](const Overlap& o) {
-    return o.fit == kNoFit && (o.a == part || o.b == part);
+    return o.fit == kNoFit && !o.passing && (o.a == part || o.b == part);
   });
   for (auto left = overlaps_.end() - end; left > 0; --left) overlaps_.pop_back();
 }
@@ -202,6 +202,13 @@ int Overlaps::freeFit() const {
 void Overlaps::remember(PartId first, PartId other, const MeasuredOverlap& measured,
                         const InterferenceFit* fit) {
   if (measured.keepsFit) return;
+  const auto passes = std::find_if(overlaps_.begin(), overlaps_.end(), [&](const Overlap& overlap) {
+    return overlap.passing && isOf(overlap, first, other);
+  });
+  if (passes != overlaps_.end()) {
+    if (measured.depth > 0.0) return;
+    overlaps_.erase(passes);
+  }
   if (const Overlap* const known = fitted(first, other))
     overlaps_.erase(overlaps_.begin() + (known - overlaps_.data()));
   if (!(measured.depth > 0.0)) return;

@@ -49,12 +49,13 @@ class Overlaps {
 
   // When a part begins to move here.
 
-  /// Forgets the overlaps of a part; fits stay.
+  /// Forgets the overlaps of a part; fits stay, and what it passes through.
   void forget(PartId part);
   /// The fit of two parts, if one is known.
   OverlapMeasure::KnownFit knownFit(PartId first, PartId other) const;
-  /// Remembers the overlap of two parts as it has been measured, with its fit or null. The oldest overlap is
-  /// forgotten where there is no room.
+  /// Remembers the overlap of two parts as it has been measured, with its fit or null. Parts that pass
+  /// through each other go on to, unless they have parted. The oldest overlap is forgotten where there is no
+  /// room.
   void remember(PartId first, PartId other, const MeasuredOverlap& measured, const InterferenceFit* fit);
   /// From now on two parts pass through each other, until no sample of one is near the other.
   void letPass(PartId first, PartId other);

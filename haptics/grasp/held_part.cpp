@@ -179,13 +179,13 @@ Coupling couplingOf(Grip& grip, const HandPull& hand, const RigidBody& body, con
   return coupling;
 }
 
-/// A spring that holds the part where it is pushed, so that the push is implicit, and any mass is stable.
-Coupling couplingOf(const PointPush& push, const Pose& worldFromBody) {
-  const Pose grip{push.point, worldFromBody.orientation};
+/// The tool's spring, as if it held the part where it presses: so it is implicit, and any mass is stable.
+Coupling couplingOf(const ToolPush& tool, const Pose& worldFromBody) {
+  const Pose grip{tool.point, worldFromBody.orientation};
   return {inverse(worldFromBody) * grip,
-          {grip.position + push.force / push.stiffness, grip.orientation},
+          {grip.position + tool.force / tool.stiffness, grip.orientation},
           {},
-          {push.stiffness, 0.0, 0.0, 0.0}};
+          {tool.stiffness, 0.0, 0.0, 0.0}};
 }
 
 /// What a link's force falls by as the part moves: a coupling without a spring at the centre of mass.
@@ -256,7 +256,7 @@ bool HeldParts::grasp(PartId part, const Pose& worldFromDevice, const TickParame
   const auto index = static_cast<std::size_t>(hand);
   if (entry->moved.control != nullptr && entry->grips[1 - index].holds) return false;
   letGo(parameters, hand);
-  if (hand == 0) entry->tool = PointPush{};  // the tool does not touch what its own hand holds
+  if (hand == 0) entry->tool = ToolPush{};  // the tool does not touch what its own hand holds
   const double firmness = links_.knows(part) ? 0.0 : 1.0;
   const Pose bodyFromGrip = inverse(entry->body.worldFromBody) * worldFromDevice;
   entry->grips[index] = {true, false, 0.0, bodyFromGrip, {}, firmness, 0.0};
@@ -268,7 +268,7 @@ bool HeldParts::letGo(const TickParameters& parameters, int hand) {
     Grip& grip = entry.grips[static_cast<std::size_t>(hand)];
     if (!grip.holds) continue;
     grip.holds = false;
-    entry.tool = PointPush{};
+    entry.tool = ToolPush{};
     if (!entry.held()) {
       entry.sinceLetGo = 0.0;
       entry.restPose = entry.body.worldFromBody;
@@ -325,13 +325,12 @@ bool HeldParts::freeStep(SimulatedPart& entry, const glm::dvec3& gravity, double
     entry.sinceLetGo += dt;
   }
   if (atRest(entry)) entry.body.twist = Twist{};
-  FixedVector<Coupling, 1 + kMaxMagnets> pushes;
-  if (entry.tool.stiffness > 0.0) pushes.push_back(couplingOf(entry.tool, entry.body.worldFromBody));
-  for (const PointPush& magnet : entry.magnets)
-    pushes.push_back(couplingOf(magnet, entry.body.worldFromBody));
-  if (free && !pushes.empty()) {
+  const bool attracted = entry.attracted.force != glm::dvec3(0.0);
+  if (free && (attracted || entry.tool.stiffness > 0.0)) {
     entry.sinceLetGo = 0.0;
-    step = coupleBody(entry.body, {pushes.data(), pushes.size()}, {}, gravity, dt);
+    FixedVector<Coupling, 1> tool;
+    if (entry.tool.stiffness > 0.0) tool.push_back(couplingOf(entry.tool, entry.body.worldFromBody));
+    step = coupleBody(entry.body, {tool.data(), tool.size()}, entry.attracted, gravity, dt);
     return true;
   }
   const bool awake = free && !atRest(entry);
@@ -342,7 +341,7 @@ bool HeldParts::freeStep(SimulatedPart& entry, const glm::dvec3& gravity, double
   return true;
 }
 
-void HeldParts::push(PartId part, const PointPush& tool) {
+void HeldParts::push(PartId part, const ToolPush& tool) {
   if (SimulatedPart* entry = find(part)) entry->tool = tool;
 }
 
@@ -350,13 +349,12 @@ void HeldParts::pull(PartId part, const FieldPull& field) {
   if (SimulatedPart* entry = find(part)) entry->field = field;
 }
 
-void HeldParts::attract(PartId part, const PointPush& magnet) {
-  SimulatedPart* const entry = find(part);
-  if (entry != nullptr && !entry->magnets.full() && magnet.stiffness > 0.0) entry->magnets.push_back(magnet);
+void HeldParts::attract(PartId part, const Wrench& magnet) {
+  if (SimulatedPart* entry = find(part)) entry->attracted = entry->attracted + magnet;
 }
 
 void HeldParts::forgetMagnets() {
-  for (SimulatedPart& entry : parts_) entry.magnets.clear();
+  for (SimulatedPart& entry : parts_) entry.attracted = Wrench{};
 }
 
 void HeldParts::rub(PartId part, const Wrench& surfaces) {
@@ -383,7 +381,7 @@ bool HeldParts::pulledStep(SimulatedPart& entry, const HandPulls& hands, const T
   }
   if (count == 0 && !linked) return false;
   const bool held = count > 0;
-  Wrench load = endedPull(entry, dt) + (held ? entry.rubbed : Wrench{});
+  Wrench load = endedPull(entry, dt) + (held ? entry.rubbed : Wrench{}) + entry.attracted;
   double weighs = 1.0;
   if (linked) {
     const LinkPull link = links_.pull(entry.part, entry.body, {held, entry.grasped()}, now, dt);
@@ -396,8 +394,6 @@ bool HeldParts::pulledStep(SimulatedPart& entry, const HandPulls& hands, const T
     entry.sinceLetGo = 0.0;
   }
   if (entry.tool.stiffness > 0.0) couplings[count++] = couplingOf(entry.tool, entry.body.worldFromBody);
-  for (const PointPush& magnet : entry.magnets)
-    couplings[count++] = couplingOf(magnet, entry.body.worldFromBody);
   if (held && entry.field.acts()) {
     load.force += entry.field.force;
     couplings[count++] = couplingOf(entry.field, entry.body);

@@ -31,15 +31,12 @@
 
 namespace tandem::haptics {
 
-/// Push of the tool on a free part, or pull of a magnet.
-struct PointPush {
+/// Push of the tool on a free part.
+struct ToolPush {
   glm::dvec3 force{0.0, 0.0, 0.0};  // N, world
   glm::dvec3 point{0.0, 0.0, 0.0};  // m, world: where
   double stiffness = 0.0;           // N/m, by which the force falls as the part yields; 0: there is no push
 };
-
-/// Magnets that pull at one part.
-inline constexpr std::size_t kMaxMagnets = 4;
 
 /// What acts on a part in a hand without contact, at its centre of mass.
 struct FieldPull {
@@ -71,12 +68,12 @@ struct SimulatedPart {
   std::array<Grip, kHands> grips;
   Fade ended;  // on the part: what a hand put on it that let go while the other one, or another site, held on
   glm::dvec3 endedAt{0.0, 0.0, 0.0};  // m, body frame: where
-  double sinceLetGo = 0.0;  // s; at rest from kSettleTime on. A control or a free part: since it last moved
-  Pose restPose;            // of a free part, where it was then
-  PointPush tool;           // of the last tick
-  FieldPull field;          // of the next step, while a hand holds the part
-  Wrench rubbed;            // the same, of the surfaces that it slides on, about the centre of mass
-  FixedVector<PointPush, kMaxMagnets> magnets;
+  double sinceLetGo = 0.0;    // s; at rest from kSettleTime on. A control or a free part: since it last moved
+  Pose restPose;              // of a free part, where it was then
+  ToolPush tool;              // of the last tick
+  FieldPull field;            // of the next step, while a hand holds the part
+  Wrench rubbed;              // the same, of the surfaces that it slides on, about the centre of mass
+  Wrench attracted;           // by magnets, about the centre of mass
   MovedControl moved;         // a control moves along its axis only
   double sinceTouched = 1.0;  // s, since it pressed on another part or was kept from slipping faster
   bool slips = false;         // it may slip in the next step: paceOf()
@@ -126,12 +123,12 @@ class HeldParts {
   /// What the tool puts on an owned control in the next step.
   void load(PartId part, const AxisLoad& tool);
   /// What the tool puts on an owned free part in the next step.
-  void push(PartId part, const PointPush& tool);
+  void push(PartId part, const ToolPush& tool);
   /// What force fields put on a part in a hand in the next step.
   void pull(PartId part, const FieldPull& field);
-  /// What a magnet puts on an owned part that is in a hand or free, in all steps until forgetMagnets(). More
-  /// than kMaxMagnets are left out.
-  void attract(PartId part, const PointPush& magnet);
+  /// What magnets put on an owned part that is in a hand or free, about its centre of mass, in steps until
+  /// forgetMagnets(). Adds up.
+  void attract(PartId part, const Wrench& magnet);
   void forgetMagnets();
   /// What touched surfaces put on a part in a hand in the next step, about its centre of mass.
   void rub(PartId part, const Wrench& surfaces);

@@ -54,12 +54,13 @@ struct Proxy {
 
 /// Moves the proxy as near to the goal as the parts allow: constrained minimisation of the distance to the
 /// goal (god object). Work is bounded: rounds of at most four sweeps, eight where the goal has gone over few
-/// triangles since the last move, 24 where it has gone over six or more or the ground has changed, and more
-/// from one late move to the next. Sliding on costs one sweep and resting none; a face that holds the proxy beyond its own edge costs a few, because that edge is tried
-/// again each tick. The Coulomb friction of the touched materials holds by the friction cone (Harwin & Melder
-/// 2002). The proxy stays while the goal lies in the cone of the static coefficient; otherwise it is dragged
-/// along on the cone of the dynamic one. A sticking proxy keeps its position to the bit and costs no sweep; a
-/// proxy dragged over a curved surface may take up to four such moves.
+/// triangles since the last move, 24 where it has gone over six or the ground has changed; one more for every
+/// two moves in a row that ended too early. Sliding on costs one sweep and resting none; a face that holds
+/// the proxy beyond its own edge costs a few, because that edge is tried again each tick. The Coulomb
+/// friction of the touched materials holds by the friction cone (Harwin & Melder 2002). The proxy stays while
+/// the goal lies in the cone of the static coefficient; otherwise it is dragged along on the cone of the
+/// dynamic one. A sticking proxy keeps its position to the bit and costs no sweep; a proxy dragged over a
+/// curved surface may take up to four such moves.
 void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy);
 
 /// Moves the proxy along with a part that has moved from `before` to its present pose. The part carries the

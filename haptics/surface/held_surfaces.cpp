@@ -19,12 +19,15 @@ using assets::SurfaceTexture;
 
 constexpr double kAlike = 0.75;  // cos of the angle between normals up to which touches are one contact
 constexpr double kReach = 0.25;  // of the other part's radius, within which its surface is sought
-constexpr double kBlow = 5e-3;   // s, in which a part that strikes a surface is at rest on it
+constexpr double kBlow = 20e-3;  // s, after which the damper of a grip presses a part that has struck no more
 
-/// The touches with one side of one part, as one.
+/// The touches with one surface on one side of one part, as one.
 struct Side {
   PartId part = kNoPart;
+  std::uint32_t surface = 0;  // into the scene's
   bool yields = false;
+  SurfacePoint strongest;            // of the touches
+  double most = 0.0;                 // N, of it
   glm::dvec3 first{0.0, 0.0, 0.0};   // normal of the strongest touch
   glm::dvec3 moment{0.0, 0.0, 0.0};  // N·m, sum of force times point
   glm::dvec3 push{0.0, 0.0, 0.0};    // N
@@ -65,10 +68,19 @@ class HeldSurfaceTick {
   void gather(std::span<const HeldTouch> touches) {
     for (const HeldTouch& touch : touches) {
       if (!(touch.force > 0.0) || !world_.surfaces()->parts[touch.part].any) continue;
-      Side* same = sideOf(touch);
+      SurfacePoint at;
+      if (!world_.nearest(touch.part, touch.point, reachOn(touch.part), at)) continue;
+      const std::uint32_t surface = world_.material(at.part, at.triangle).surface;
+      if (surface >= world_.scene().surfaces.size()) continue;
+      Side* same = sideOf(touch, surface);
       if (same == nullptr) {
         if (sides_.full()) continue;
-        same = &sides_.push_back({touch.part, touch.yields, touch.normal});
+        same = &sides_.push_back({touch.part, surface, touch.yields});
+        same->first = touch.normal;
+      }
+      if (touch.force > same->most) {
+        same->most = touch.force;
+        same->strongest = at;
       }
       same->moment += touch.force * touch.point;
       same->push += touch.force * touch.normal;
@@ -76,9 +88,13 @@ class HeldSurfaceTick {
     }
   }
 
-  Side* sideOf(const HeldTouch& touch) {
+  double reachOn(PartId part) const { return kReach * world_.collider(part).radius; }
+
+  Side* sideOf(const HeldTouch& touch, std::uint32_t surface) {
     for (Side& known : sides_)
-      if (known.part == touch.part && glm::dot(known.first, touch.normal) > kAlike) return &known;
+      if (known.part == touch.part && known.surface == surface &&
+          glm::dot(known.first, touch.normal) > kAlike)
+        return &known;
     return nullptr;
   }
 
@@ -95,11 +111,13 @@ class HeldSurfaceTick {
   }
 
   void feel(const Side& side) {
+    // In the middle of a ring of touches there may be no surface, or another one.
     SurfacePoint at;
-    if (!world_.nearest(side.part, side.point(), kReach * world_.collider(side.part).radius, at)) return;
+    if (!world_.nearest(side.part, side.point(), reachOn(side.part), at) ||
+        world_.material(at.part, at.triangle).surface != side.surface)
+      at = side.strongest;
     const Material& material = world_.material(at.part, at.triangle);
-    if (material.surface >= world_.scene().surfaces.size()) return;
-    const Surface& surface = world_.scene().surfaces[material.surface];
+    const Surface& surface = world_.scene().surfaces[side.surface];
     const glm::dvec3 normal = side.normal();
     HeldSurfaces::Slot& slot = slotOf(side);
     slot.active = true;

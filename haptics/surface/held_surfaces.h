@@ -4,12 +4,13 @@
 // pop-through. What acts before they are touched is in held_magnets.h.
 //
 // The contacts of a held part are rigid (haptics/contact), so laws and shading have nothing to act on. Those
-// with one side of a part count as one, at their centre by force; N is their sum, n the normal, h the relief.
+// with one surface on one side of a part count as one, at their centre by force; N is their sum, n the
+// normal, h the relief.
 //   relief      -N grad h across n, on the hand, of a slope of at most 1
 //   vibration   along n, on the hand, at most N, as with the bare tool
 //   viscosity and stick-slip    -k (s + T v) - c v across n, on the part in the next step; s the slip since
 //               the anchor, T the tick
-//   pop-through the part passes through once N has been above the surface's force for 5 ms
+//   pop-through the part passes through once N has been above the surface's force for 20 ms
 // 1. Relief gives out no more than it got. An account grows by -F dx of the device, for the share of F that
 //    was sent; what a tick would give at twice the last motion is held to the account, and a tick's error is
 //    paid back first. The hand gets the force at the device's tip, without its moment: behind the coupling

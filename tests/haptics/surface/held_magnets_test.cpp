@@ -181,5 +181,49 @@ TEST(HeldMagnets, AFreeOneIsPulledAsHardAsItPulls) {
   EXPECT_NEAR(hand.force().z, -0.08 * 9.81, 5e-3) << "the hand bears both";
 }
 
+TEST(HeldMagnets, DragNothingAcrossTheirPull) {
+  const auto hand = barOverMagnet(3e-3, {0.4, 0.2, 0.02});
+  hand->rest(1000);
+  for (int i = 0; i < 500; ++i) {
+    hand->by({2e-4, 0.0, 0.0});
+    if (i > 350) ASSERT_LT(std::abs(hand->force().x), 0.02) << i << ": 0.065 N if the spring were isotropic";
+  }
+  EXPECT_LT(hand->force().z, -0.5);
+}
+
+TEST(HeldMagnets, OneThatIsCarriedWeighsWhatItWeighs) {
+  SceneBuilder b;
+  addBar(b, {0.0, 0.0, 5e-3});
+  const PartId magnet = addMagnet(b, sphereMesh(5e-3, 32), {0.0, 0.0, -5e-3}, 0.02);
+  b.scene.parts[magnet].movable = true;
+  b.addPart(boxMesh({0.2, 0.2, 0.02}), {{0.0, 0.0, -0.02}, {1.0, 0.0, 0.0, 0.0}});
+  for (assets::Part& part : b.scene.parts) part.gravityFactor = 1.0;
+  BarInHand hand(b.scene, kBarPart);
+  hand.parameters.gravity = {0.0, 0.0, -9.81};
+  hand.command(haptics::PartCommand::Kind::own, magnet);
+  hand.rest(1500);
+  for (int i = 0; i < 1000; ++i) {
+    hand.by({0.0, 0.0, 5e-5});
+    if (i > 300) ASSERT_NEAR(hand.force().z, -0.08 * 9.81, 0.02) << i;
+  }
+  EXPECT_GT(hand.pose(magnet).position.z, 40e-3);
+}
+
+TEST(HeldMagnets, ThoseOutOfReachTakeNoneOfItsPull) {
+  SceneBuilder b;
+  addBar(b, {0.0, 0.0, 3e-3});
+  // Long strips 12 mm beside the bar, whose bounding spheres hold it, before and behind the one that pulls.
+  for (int i = 0; i < 12; ++i)
+    addMagnet(b, boxMesh({0.002, 0.3, 0.002}), {17e-3 + 3e-3 * (i / 4), 0.0, 10e-3 * (i % 4 + 1)});
+  const PartId near = addMagnet(b, boxMesh({0.2, 0.2, 0.02}), {0.0, 0.0, -0.01});
+  for (int i = 0; i < 12; ++i)
+    addMagnet(b, boxMesh({0.002, 0.3, 0.002}), {-17e-3 - 3e-3 * (i / 4), 0.0, 10e-3 * (i % 4 + 1)});
+  ASSERT_EQ(near, 13u);
+  BarInHand hand(b.scene, kBarPart);
+  hand.rest(1500);
+  EXPECT_NEAR(hand.force().z, -pullAt(heightOf(hand)), 1e-3);
+  EXPECT_LT(hand.force().z, -0.5);
+}
+
 }  // namespace
 }  // namespace tandem::test
