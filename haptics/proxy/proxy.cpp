@@ -20,6 +20,9 @@ constexpr int kMaxRounds = 24;
 constexpr int kFewRounds = 8;          // after a goal that went over few triangles
 constexpr double kRoundsAnEdge = 4.0;  // of the triangles' length that the goal went
 constexpr double kRoundsLate = 0.5;    // more for each move that ended too early
+constexpr double kFine = 0.25;         // of the depth, the length of triangles that a hand hardly tells apart
+constexpr double kAtRest = 0.1;        // of the triangles' length: a hand that goes no further is at rest
+constexpr int kLate = 8;               // moves in a row that ended too early, after which one takes its time
 constexpr int kMaxFrictionRounds = 4;
 constexpr double kConeError = 1e-3;  // of the friction ratio
 // Overrelaxation of a step beyond the point of its line nearest to the goal. It is below 2, so a step ends
@@ -180,14 +183,17 @@ double longestEdge(const ContactWorld& world, const Proxy& proxy) {
   return std::sqrt(square);
 }
 
-/// How many rounds a move to the goal may take. Over rough ground the proxy may snap far after a small motion
-/// of the hand; what is left of the way is gone in the next ticks.
-int roundsFor(const ContactWorld& world, const glm::dvec3& goal, const Proxy& proxy) {
+/// How many rounds a move to the goal may take. Over ground of fine triangles the proxy may snap far after a
+/// small motion of the hand; what is left of the way is gone in the next ticks, and when the hand rests.
+/// A ball that rolls between spikes far thinner than itself needs all its rounds.
+int roundsFor(const ContactWorld& world, const glm::dvec3& goal, double radius, const Proxy& proxy) {
+  if (radius > 0.0) return kMaxRounds;
   const double edge = longestEdge(world, proxy);
-  if (!proxy.goal || !(edge > 0.0)) return kMaxRounds;
-  const double few = std::min<double>(kMaxRounds, kFewRounds + kRoundsLate * proxy.late);
+  if (!proxy.goal || !(edge > 0.0) || proxy.late >= kLate) return kMaxRounds;
+  const double edges = glm::distance(goal, *proxy.goal) / edge;
+  if (edges < kAtRest || edge > kFine * glm::distance(goal, proxy.position)) return kMaxRounds;
   return static_cast<int>(
-      std::clamp<double>(kRoundsAnEdge * glm::distance(goal, *proxy.goal) / edge, few, kMaxRounds));
+      std::clamp<double>(kRoundsAnEdge * edges, kFewRounds + kRoundsLate * proxy.late, kMaxRounds));
 }
 
 /// One move of the proxy towards a goal, in rounds of projection, surface walk and sweep.
@@ -405,7 +411,7 @@ void moveOverGround(const ContactWorld& world, const glm::dvec3& goal, double ra
 void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
   proxy.sweeps = 0;
   refreshPlanes(world, radius, proxy);
-  proxy.rounds = roundsFor(world, goal, proxy);
+  proxy.rounds = roundsFor(world, goal, radius, proxy);
   const int late = proxy.late;
   moveOverGround(world, goal, radius, proxy);
   proxy.late = proxy.late > late ? late + 1 : 0;

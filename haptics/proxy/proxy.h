@@ -53,9 +53,9 @@ struct Proxy {
 };
 
 /// Moves the proxy as near to the goal as the parts allow: constrained minimisation of the distance to the
-/// goal (god object). Work is bounded: rounds of at most four sweeps, eight where the goal has gone over few
-/// triangles since the last move, 24 where it has gone over six or the ground has changed; one more for every
-/// two moves in a row that ended too early. Sliding on costs one sweep and resting none; a face that holds
+/// goal (god object). Work is bounded: 24 rounds of at most four sweeps. Over triangles that are small
+/// against the depth a point whose goal has gone over few of them has eight, and one more for every two moves
+/// in a row that ended too early. Sliding on costs one sweep and resting none; a face that holds
 /// the proxy beyond its own edge costs a few, because that edge is tried again each tick. The Coulomb
 /// friction of the touched materials holds by the friction cone (Harwin & Melder 2002). The proxy stays while
 /// the goal lies in the cone of the static coefficient; otherwise it is dragged along on the cone of the
