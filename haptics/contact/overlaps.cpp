@@ -162,7 +162,10 @@ void Overlaps::letPass(PartId first, PartId other) {
   overlaps_.shrink(static_cast<std::size_t>(end - overlaps_.begin()));
   if (overlaps_.full()) overlaps_.erase(overlaps_.begin());
   // The last of several overlaps counts: a fit waits until the parts have passed.
-  overlaps_.push_back({first, other}).passing = true;
+  Overlap& overlap = overlaps_.push_back({});
+  overlap.a = first;
+  overlap.b = other;
+  overlap.passing = true;
 }
 
 bool Overlaps::passes(PartId part) const {

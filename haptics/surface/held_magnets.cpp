@@ -296,8 +296,12 @@ void HeldMagnets::keepOnly(const NearList& near) {
     });
   });
   tracks_.shrink(static_cast<std::size_t>(end - tracks_.begin()));
-  for (const Near& entry : near)
-    if (trackOf(entry.part, entry.magnet) == nullptr) tracks_.push_back({entry.part, entry.magnet});
+  for (const Near& entry : near) {
+    if (trackOf(entry.part, entry.magnet) != nullptr) continue;
+    Track& track = tracks_.push_back({});
+    track.part = entry.part;
+    track.magnet = entry.magnet;
+  }
 }
 
 MagnetPull HeldMagnets::follow(Track& track, const ContactWorld& world, std::span<const MagneticBody> bodies,

@@ -89,10 +89,10 @@ class HeldMagnets {
     bool searched = false;                                      // through the samples of the part
     bool throughHeld = false;                                   // the samples of which part are searched
     FixedVector<std::uint32_t, 64> balls;                       // that remain to be searched
-    glm::dvec3 force{0.0, 0.0, 0.0},
-        between{0.0, 0.0, 0.0};  // N on the part; m, from q to p; world, last tick
-    double potential = 0.0;      // J, <= 0
-    double account = 0.0;        // J, >= 0, given too much
+    glm::dvec3 force{0.0, 0.0, 0.0};                            // N, on the part in the last tick, world
+    glm::dvec3 between{0.0, 0.0, 0.0};                          // m, from q to p then, world
+    double potential = 0.0;                                     // J, <= 0
+    double account = 0.0;                                       // J, >= 0, given too much
   };
   class Search;
 

@@ -75,7 +75,10 @@ class HeldSurfaceTick {
       Side* same = sideOf(touch, surface);
       if (same == nullptr) {
         if (sides_.full()) continue;
-        same = &sides_.push_back({touch.part, surface, touch.yields});
+        same = &sides_.push_back({});
+        same->part = touch.part;
+        same->surface = surface;
+        same->yields = touch.yields;
         same->first = touch.normal;
       }
       if (touch.force > same->most) {

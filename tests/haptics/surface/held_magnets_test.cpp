@@ -186,7 +186,9 @@ TEST(HeldMagnets, DragNothingAcrossTheirPull) {
   hand->rest(1000);
   for (int i = 0; i < 500; ++i) {
     hand->by({2e-4, 0.0, 0.0});
-    if (i > 350) ASSERT_LT(std::abs(hand->force().x), 0.02) << i << ": 0.065 N if the spring were isotropic";
+    if (i > 350) {
+      ASSERT_LT(std::abs(hand->force().x), 0.02) << i << ": 0.065 N if the spring were isotropic";
+    }
   }
   EXPECT_LT(hand->force().z, -0.5);
 }
@@ -204,7 +206,9 @@ TEST(HeldMagnets, OneThatIsCarriedWeighsWhatItWeighs) {
   hand.rest(1500);
   for (int i = 0; i < 1000; ++i) {
     hand.by({0.0, 0.0, 5e-5});
-    if (i > 300) ASSERT_NEAR(hand.force().z, -0.08 * 9.81, 0.02) << i;
+    if (i > 300) {
+      ASSERT_NEAR(hand.force().z, -0.08 * 9.81, 0.02) << i;
+    }
   }
   EXPECT_GT(hand.pose(magnet).position.z, 40e-3);
 }
