@@ -19,13 +19,22 @@ double fadeStep(const TickParameters& parameters) {
   return parameters.fadeTime > 0.0 ? parameters.dt / parameters.fadeTime : 1.0;
 }
 
-/// What a hand holds, if that may be pulled: no control, nothing that is still being taken, with a valid
-/// reading; else null.
+/// Whether forces may move a simulated part: a control moves along its axis alone, and a part stands still
+/// while it is being taken.
+bool yieldsToForces(const Data& data, const SimulatedPart& part) {
+  return part.moved.control == nullptr && !data.isTaking(part.part);
+}
+
+/// The part in a hand with a valid reading if forces may move it; else null.
 const SimulatedPart* pullable(const Data& data, std::size_t hand) {
   const SimulatedPart* const held = data.held.heldPart(static_cast<int>(hand));
-  const bool may = held != nullptr && held->moved.control == nullptr && data.hands[hand].valid() &&
-                   !data.isTaking(held->part);
-  return may ? held : nullptr;
+  return held != nullptr && data.hands[hand].valid() && yieldsToForces(data, *held) ? held : nullptr;
+}
+
+/// 0..1, of what acts on a part, that is put on it here; other sites that simulate it put on the rest.
+double shareHere(const Data& data, PartId part) {
+  const ReplicaLinks& links = data.held.links();
+  return links.has(part) ? links.report(part).share : 1.0;
 }
 
 /// Whether the first hand holds what this hand holds, so that it is pulled already.
@@ -43,16 +52,11 @@ void pullByFields(const SimulatedPart& held, ForceFields& fields, double share, 
   // What a part can do within a tick, and at rest what rounding lets the differences tell.
   settings.curvatureOver = std::max(2.0 * parameters.dt * glm::length(centre.twist.linear), kLeastOver);
   const FieldForces felt = fields.step(data.world, centre, now, settings);
-  if (data.held.links().has(held.part)) share *= data.held.links().report(held.part).share;
+  share *= shareHere(data, held.part);
   data.held.pull(held.part, {share * (felt.force - felt.damping), share * felt.damping,
                              share * felt.curvature, share * felt.dampingRate});
   out.sourcePower += share * felt.sourcePower;
   out.flags |= felt.flags;
-}
-
-/// Whether a part moves as forces here move it.
-bool movesHere(const Data& data, const SimulatedPart& part) {
-  return part.moved.control == nullptr && !data.isTaking(part.part);
 }
 
 glm::dmat3 mobilityOf(const RigidBody& body) {
@@ -64,7 +68,7 @@ using MagneticBodies = FixedVector<MagneticBody, kMaxOwnedParts>;
 MagneticBodies magneticBodies(const Data& data) {
   MagneticBodies bodies;
   for (const SimulatedPart& part : data.held.parts()) {
-    if (!movesHere(data, part)) continue;
+    if (!yieldsToForces(data, part)) continue;
     const glm::dvec3 centre = transformPoint(part.body.worldFromBody, part.body.centreOfMass);
     bodies.push_back({part.part, centre, part.body.mass, mobilityOf(part.body)});
   }
@@ -134,9 +138,7 @@ void pullByMagnets(int hands, const TickParameters& parameters, Data& data, Tick
       magnets.forget();
       continue;
     }
-    const ReplicaLinks& links = data.held.links();
-    const double share = links.has(held->part) ? links.report(held->part).share : 1.0;
-    const HeldMagnets::Settings settings{parameters.dt, fadeStep(parameters), share};
+    const HeldMagnets::Settings settings{parameters.dt, fadeStep(parameters), shareHere(data, held->part)};
     for (const MagnetPull& pull :
          magnets.find(data.world, held->part, {bodies.data(), bodies.size()}, settings, out.flags)) {
       attract(bodies, held->part, pull.force, pull.onHeld, data);

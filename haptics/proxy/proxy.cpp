@@ -183,9 +183,10 @@ double longestEdge(const ContactWorld& world, const Proxy& proxy) {
   return std::sqrt(square);
 }
 
-/// How many rounds a move to the goal may take. Over ground of fine triangles the proxy may snap far after a
-/// small motion of the hand; what is left of the way is gone in the next ticks, and when the hand rests.
-/// A ball that rolls between spikes far thinner than itself needs all its rounds.
+/// How many rounds of descent a move to the goal may take. On a finely and roughly meshed surface a small
+/// motion of the hand may let the proxy slide from one local minimum of the distance to one far away. A point
+/// then covers the rest of that way in the next ticks. A ball that rolls between spikes far thinner than
+/// itself needs all its rounds.
 int roundsFor(const ContactWorld& world, const glm::dvec3& goal, double radius, const Proxy& proxy) {
   if (radius > 0.0) return kMaxRounds;
   const double edge = longestEdge(world, proxy);

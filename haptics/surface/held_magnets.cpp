@@ -1,7 +1,7 @@
 #include "haptics/surface/held_magnets.h"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <tuple>
 
 #include <glm/geometric.hpp>
@@ -51,7 +51,7 @@ class PullLaw {
   double kink_;  // m, below which it is held
 };
 
-/// Places of one part relative to the origin of the field of another.
+/// Transforms points of one part into the frame of the distance field of another part.
 struct InField {
   Pose fieldFromPart;
   glm::dvec3 origin;
@@ -60,7 +60,7 @@ struct InField {
   }
 };
 
-/// The most that a push at a point moves a part there, 1/kg; 0 of one that does not move here.
+/// An upper bound of the mobility of a part at a point, in any direction, 1/kg; 0 if it does not move here.
 double mobilityAt(std::span<const MagneticBody> bodies, PartId part, const glm::dvec3& point) {
   for (const MagneticBody& body : bodies) {
     if (body.part != part) continue;
@@ -269,13 +269,9 @@ class HeldMagnets::Search {
     const glm::dvec3 from =
         transformPoint(world_.pose(sampled), glm::dvec3(glm::vec3(samples.points()[best])));
     const double about = static_cast<double>(ContactSamples::touchAbout(samples.points()[best]));
-    glm::dvec3 onMagnet = from;
-    if (track_.throughHeld) {
-      if (nearestOfMagnet(from, reach_ + about, onMagnet)) settle(onMagnet);
-    } else if (nearestOfHeld(from, reach_ + about, onMagnet) &&
-               nearestOfMagnet(glm::dvec3(onMagnet), reach_ + about, onMagnet)) {
-      settle(onMagnet);
-    }
+    glm::dvec3 onHeld = from, onMagnet;
+    if (!track_.throughHeld && !nearestOfHeld(from, reach_ + about, onHeld)) return;
+    if (nearestOfMagnet(onHeld, reach_ + about, onMagnet)) settle(onMagnet);
   }
 
   const ContactWorld& world_;

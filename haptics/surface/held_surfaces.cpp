@@ -21,7 +21,7 @@ constexpr double kAlike = 0.75;  // cos of the angle between normals up to which
 constexpr double kReach = 0.25;  // of the other part's radius, within which its surface is sought
 constexpr double kBlow = 20e-3;  // s, after which the damper of a grip presses a part that has struck no more
 
-/// The touches with one surface on one side of one part, as one.
+/// The sum of the touches with faces of one surface on one side of a part.
 struct Side {
   PartId part = kNoPart;
   std::uint32_t surface = 0;  // into the scene's
